@@ -1,0 +1,37 @@
+# Everything here does its own set-up: a Python 3.11 or newer with pip is all that is needed.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test test-all lint bench clean
+
+demo: $(VENV)/run
+	$(BIN)/spheredrive demo
+
+test: $(VENV)/dev lint
+	$(BIN)/python -m pytest -m "not long"
+
+test-all: $(VENV)/dev lint
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+bench: $(VENV)/dev
+	$(BIN)/python benchmarks/kinematics.py
+
+# The stamps are renewed when the list of dependencies changes.
+$(VENV)/run: pyproject.toml constraints.txt
+	$(PYTHON) -c "import sys; sys.exit('spheredrive needs Python 3.11 or newer' if sys.version_info < (3, 11) else 0)"
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+$(VENV)/dev: $(VENV)/run
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis dist
+	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +
