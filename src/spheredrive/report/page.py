@@ -1,0 +1,138 @@
+"""The page: gathers tables, figures and sentences, and fills the template."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.resources import files
+from typing import NamedTuple
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+import spheredrive
+from spheredrive import kinematics
+from spheredrive.checking import Check, check
+from spheredrive.design import Design
+from spheredrive.errors import NearSingularWarning, SingularError
+from spheredrive.kinematics import KinematicRun
+from spheredrive.motion import Motion
+from spheredrive.report import tables
+from spheredrive.report.figures.contact_states import (
+    contact_states_caption,
+    contact_states_figure,
+    contact_states_sentence,
+)
+from spheredrive.report.figures.effectiveness import effectiveness_caption, effectiveness_figure
+from spheredrive.report.figures.layout import layout_caption, layout_figure
+from spheredrive.report.figures.projection import FROM_ABOVE, FROM_SIDE
+from spheredrive.report.figures.race_error import race_error_caption, race_error_figure
+from spheredrive.report.figures.sphere_motion import sphere_motion_caption, sphere_motion_figure
+from spheredrive.report.figures.style import svg_text
+
+# A page shows no more than this many samples of a motion; every change of race is worked out whatever the rate.
+SAMPLES = 200_000
+
+
+class Part(NamedTuple):
+    """A titled piece of the page: SVG figures and their caption, or a sentence in their place."""
+
+    key: str
+    title: str
+    caption: str
+    figures: tuple[Markup, ...] = ()
+
+
+def page_html(design: Design, motion: Motion | None = None) -> str:
+    """The whole report as HTML text."""
+    result = check(design)
+    template = _environment().from_string((files("spheredrive.report") / "report.html.j2").read_text(encoding="utf-8"))
+    return template.render(
+        design=design,
+        motion=motion,
+        result=result,
+        parts=[*_design_parts(design, result), *_motion_parts(design, motion)],
+        placements=tables.placement_rows(design),
+        sections=[*tables.design_sections(design), *tables.wheel_sections(design)],
+        omitted_models=max(0, len(tables.wheel_models(design)) - tables.MODELS_SHOWN),
+        omitted_wheels=max(0, design.wheel_count - tables.WHEELS_SHOWN),
+        assumptions=tables.assumptions(design),
+        quality=tables.quality_rows(result),
+        matrices=tables.matrices(result),
+        version=spheredrive.__version__,
+    )
+
+
+def _environment() -> Environment:
+    return Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=readable)
+
+
+def readable(content):
+    """Text without the control characters and lone surrogates that no page can hold; everything else as it is."""
+    if isinstance(content, str) and not isinstance(content, Markup):
+        return re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]", "\N{REPLACEMENT CHARACTER}", content)
+    return content
+
+
+def _drawn(key: str, title: str, caption: str, *draw: Callable[[], Figure]) -> Part:
+    svg = tuple(Markup(svg_text(one(), f"{key}-{i}", readable(f"{title}. {caption}"))) for i, one in enumerate(draw, 1))
+    return Part(key, title, caption, svg)
+
+
+def _design_parts(design: Design, result: Check) -> list[Part]:
+    views = [lambda view=view: layout_figure(design, view) for view in (FROM_ABOVE, FROM_SIDE)]
+    parts = [
+        _drawn("layout", "Layout", layout_caption(design), *views),
+        _drawn(
+            "effectiveness",
+            "Effectiveness about every axis",
+            effectiveness_caption(design),
+            lambda: effectiveness_figure(design),
+        ),
+    ]
+    sentence = contact_states_sentence(result)
+    if sentence is not None:
+        return [*parts, Part("states", "Contact states", sentence)]
+    caption = contact_states_caption(result)
+    return [*parts, _drawn("states", "Contact states", caption, lambda: contact_states_figure(result))]
+
+
+def _motion_parts(design: Design, motion: Motion | None) -> list[Part]:
+    if motion is None:
+        return []
+    motion.check_wheel_count(design.wheel_count)
+    run = _run(design, motion)
+    if isinstance(run, str):
+        return [Part("motion", "Motion", run)]
+    alternates = any(len(wheel.alternation) > 1 for wheel in design.wheels)
+    differs = max(abs(run.error_angle).max(), abs(run.error_magnitude).max()) > 1e-12
+    sphere = _drawn(
+        "motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run, not differs)
+    )
+    if differs:
+        error = _drawn("error", "Error of the nominal Jacobian", race_error_caption(run), lambda: race_error_figure(run))
+        return [error, sphere]
+    why = (
+        "The races of these wheels take turns, but along this motion all of them drive the sphere alike: the nominal Jacobian "
+        "is exact, and there is no error to draw."
+        if alternates
+        else "No wheel of this design has races that take turns: the nominal Jacobian is exact, and there is no error to draw."
+    )
+    return [Part("error", "Error of the nominal Jacobian", why), sphere]
+
+
+def _run(design: Design, motion: Motion) -> KinematicRun | str:
+    """The motion followed by kinematics, or the sentence that says why it cannot be."""
+    if motion.kind == "wheel-torque":
+        return "The motion is given by wheel torques. Kinematics cannot follow it: it takes the dynamics to know the speeds."
+    rate = min(motion.sample_rate, SAMPLES / motion.duration)
+    with warnings.catch_warnings():
+        # Near singularity is told by a finding on the page.
+        warnings.simplefilter("ignore", NearSingularWarning)
+        try:
+            return kinematics.along(design, replace(motion, sample_rate=rate))
+        except SingularError as error:
+            return f"The motion cannot be followed: {error}"
