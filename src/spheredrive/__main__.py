@@ -1,0 +1,5 @@
+"""``python -m spheredrive``."""
+
+from spheredrive.cli import main
+
+main()

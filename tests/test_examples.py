@@ -1,0 +1,69 @@
+"""Every example and every command of the README, run as a user would."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PROGRAM = Path(sys.executable).with_name("spheredrive")
+
+
+def run(command, folder):
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.parametrize("example", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.stem)
+def test_example_runs_and_its_numbers_hold(example, tmp_path):
+    answer = run([sys.executable, str(example)], tmp_path)
+    assert answer.returncode == 0, answer.stderr
+
+
+def test_readme_python_runs(tmp_path):
+    (block,) = re.findall(r"```python\n(.*?)```", README, re.S)
+    answer = run([sys.executable, "-c", block], tmp_path)
+    assert answer.returncode == 0, answer.stderr
+    assert "worst direction" in answer.stdout
+
+
+def test_readme_commands_run(tmp_path):
+    lines = [line.split("#")[0].strip() for line in README.splitlines() if line.startswith("    spheredrive ")]
+    assert len(lines) >= 3
+    for line in lines:
+        answer = run([str(PROGRAM), *shlex.split(line)[1:]], tmp_path)
+        assert answer.returncode == 0, f"{line}: {answer.stderr}"
+    assert (tmp_path / "report.html").stat().st_size > 10_000
+
+
+def test_readme_error_is_what_a_user_sees(tmp_path):
+    """The README shows an error; the same file makes the same words."""
+    shown = re.search(r"    machine\.toml:\d+:\d+: .*\n.*\n.*\^", README).group()
+    assert run([str(PROGRAM), "new", "machine.toml"], tmp_path).returncode == 0
+    path = tmp_path / "machine.toml"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    number = int(shown.split(":")[1])
+    lines[number - 1] = re.sub(r'"[^"]*"', '"25 kg"', lines[number - 1], count=1).split("#")[0].rstrip()
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    answer = run([str(PROGRAM), "check", "machine.toml"], tmp_path)
+    assert answer.returncode == 2
+    expected = re.sub(r"^    ", "", shown, flags=re.M)
+    assert expected.splitlines()[0] in answer.stderr
+    assert expected.splitlines()[2].strip() in answer.stderr
+
+
+def test_make_targets_of_the_readme_exist():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in set(re.findall(r"make ([\w-]+)", README)):
+        assert re.search(rf"^{target}:", makefile, re.M), target
+
+
+def test_relative_links_of_the_documents_lead_somewhere():
+    for document in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]:
+        for link in re.findall(r"\]\(([^)#]+)\)", document.read_text(encoding="utf-8")):
+            if "://" not in link:
+                assert os.path.exists(document.parent / link), f"{document.name}: {link}"
