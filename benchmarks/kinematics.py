@@ -49,28 +49,39 @@ def triad(a, b, c, s):
         a[i] = b[i] + s * c[i]
 
 
-def bandwidth(repeat: int) -> float:
-    """Bytes a second of a = b + s c over arrays far larger than any cache."""
-    a, b, c = (np.ones(3 * SAMPLES) for _ in range(3))
-    return 3 * a.nbytes / best(lambda: triad(a, b, c, 2.0), repeat)
+def rounds(functions: dict, repeat: int) -> dict[str, np.ndarray]:
+    """Seconds of each function, taken in turns: (repeat,) each, after one round that is not counted."""
+    times = {name: [] for name in functions}
+    for i in range(repeat + 1):
+        for name, function in functions.items():
+            start = time.perf_counter()
+            function()
+            if i > 0:
+                times[name].append(time.perf_counter() - start)
+    return {name: np.array(values) for name, values in times.items()}
 
 
 def maps(design, repeat: int) -> None:
-    rng = np.random.default_rng(1)
-    wheel_speed = rng.normal(size=(SAMPLES, 3))
-    out = np.empty_like(wheel_speed)
-    moved = wheel_speed.nbytes + out.nbytes
-    # The triad is measured before and after, so that a machine that slows down in between is seen.
-    before = bandwidth(repeat)
-    rows = {
-        "forward, Ω = J ω": best(lambda: sd.kinematics.forward(design, wheel_speed, out=out), repeat),
-        "inverse, ω = J⁻¹ Ω": best(lambda: sd.kinematics.inverse(design, wheel_speed, out=out), repeat),
-        "NumPy matmul": best(lambda: np.matmul(wheel_speed, sd.kinematics.jacobian(design).T, out=out), repeat),
-    }
-    after = bandwidth(repeat)
-    print(f"\nmaps over {SAMPLES:,} samples; triad {before / 1e9:.1f} GB/s before, {after / 1e9:.1f} GB/s after")
-    for name, seconds in rows.items():
-        print(f"  {name:20s} {seconds * 1e3:8.1f} ms   {moved / seconds / max(before, after):6.1%} of the triad bandwidth")
+    """Bytes a second against those of a = b + s c, all on arrays far larger than any cache."""
+    x = np.random.default_rng(1).normal(size=(SAMPLES, 3))
+    y, z = np.ones_like(x), np.ones_like(x)
+    J = sd.kinematics.jacobian(design)
+    seconds = rounds(
+        {
+            "triad a = b + s c": lambda: triad(z.reshape(-1), x.reshape(-1), y.reshape(-1), 2.0),
+            "forward, Ω = J ω": lambda: sd.kinematics.forward(design, x, out=z),
+            "inverse, ω = J⁻¹ Ω": lambda: sd.kinematics.inverse(design, x, out=z),
+            "NumPy matmul": lambda: np.matmul(x, J.T, out=z),
+        },
+        2 * repeat + 1,
+    )
+    print(f"\nmaps over {SAMPLES:,} samples; share of the triad bandwidth as the median over rounds")
+    triad_rate = 3 * x.nbytes / seconds.pop("triad a = b + s c")
+    low, middle, high = np.quantile(triad_rate, [0, 0.5, 1]) / 1e9
+    print(f"  triad                {middle:8.1f} GB/s   ({low:.1f} to {high:.1f})")
+    for name, taken in seconds.items():
+        rate = 2 * x.nbytes / taken
+        print(f"  {name:20s} {np.median(rate) / 1e9:8.1f} GB/s   {np.median(rate / triad_rate):6.1%}")
 
 
 def condition_numbers(repeat: int) -> None:

@@ -15,7 +15,8 @@ from spheredrive.kinematics.quality import SINGULAR
 
 # Samples a thread takes at a time; below one such piece no threads are started.
 PIECE = 32_768
-# Matrices that are worked on side by side, so that the compiler can use the widest vector instructions.
+# Matrices that are worked on side by side, so that the compiler can use the widest vector instructions. The steps of a sweep
+# are inlined for the same reason: called as functions, each would first ask whether its columns overlap in memory.
 LANES = 32
 
 
@@ -113,7 +114,7 @@ def _condition_number(A, out):
             out[first + lane] = sigma[0, lane] / sigma[2, lane] if sigma[2, lane] != 0.0 else np.inf
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _workspace():
     """Room for the columns (column, row, lane) and singular values (3, lane) of LANES matrices.
 
@@ -144,14 +145,14 @@ def _solve(A, first, lanes, x, sigma):
     _order(sigma)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _sweep(x):
     _rotate(x, 0, 1)
     _rotate(x, 0, 2)
     _rotate(x, 1, 2)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", inline="always")
 def _rotate(x, p, q):
     """Turn columns p and q of every lane in their plane until they are orthogonal, the longer one first."""
     p0, p1, p2 = x[p, 0], x[p, 1], x[p, 2]
