@@ -16,7 +16,10 @@ LAYERS = [
     ("wheels",),
     ("design", "motion"),
     ("kinematics",),
+    ("contact",),
     ("checking",),
+    ("dynamics",),
+    ("simulation",),
     ("summary",),
     ("io", "designs"),
     ("report",),
@@ -24,7 +27,7 @@ LAYERS = [
 ]
 # A value that can describe itself: ``Design.__str__`` asks for its table when it is printed.
 EXCEPTIONS = {("design", "summary")}
-PHYSICS = {"values", "frames", "wheels", "design", "motion", "kinematics", "checking"}
+PHYSICS = {"values", "frames", "wheels", "design", "motion", "kinematics", "contact", "checking", "dynamics"}
 EDGE_LIBRARIES = {"pydantic", "pint", "tomllib", "tomlkit", "matplotlib", "jinja2", "cyclopts", "rich", "xarray"}
 
 
@@ -86,12 +89,14 @@ def test_every_module_says_what_it_is(path):
 
 
 def test_import_of_the_package_loads_no_library():
-    code = "import sys, spheredrive; print([m for m in ('numpy', 'numba', 'pydantic', 'matplotlib') if m in sys.modules])"
+    libraries = ("numpy", "numba", "pydantic", "matplotlib", "xarray")
+    code = f"import sys, spheredrive; print([m for m in {libraries} if m in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "[]"
 
 
 def test_command_line_loads_no_library_before_it_knows_the_command():
-    code = "import sys, spheredrive.cli; print([m for m in ('numpy', 'numba', 'pint', 'matplotlib') if m in sys.modules])"
+    libraries = ("numpy", "numba", "pint", "matplotlib", "xarray")
+    code = f"import sys, spheredrive.cli; print([m for m in {libraries} if m in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert answer.stdout.strip() == "[]"
