@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -49,10 +50,15 @@ class Series:
         """How many values there are at each time."""
         return len(self.values[0])
 
+    @cached_property
+    def arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        """``time`` (k,) and ``values`` (k, c) as arrays."""
+        return np.array(self.time), np.array(self.values)
+
     def at(self, time, side: str = "right") -> np.ndarray:
         """Values at ``time`` (...), shape (..., c); at a step, those after it, or before it for ``side="left"``."""
         time = np.asarray(time, float)
-        knots, values = np.array(self.time), np.array(self.values)
+        knots, values = self.arrays
         if self.interpolation == "linear":
             return np.stack([np.interp(time, knots, column) for column in values.T], axis=-1)
         i = np.clip(np.searchsorted(knots, time, side=side) - 1, 0, len(knots) - 1)

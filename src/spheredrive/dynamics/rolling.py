@@ -1,0 +1,436 @@
+"""The equations of motion of the rolling model (model.md section 5a), compiled.
+
+One function, ``solve``, works out everything that happens at an instant; the integrator takes the rates from it and the
+results the forces, so that no formula is written twice. Vectors are tuples of three numbers and symmetric matrices tuples
+of six (00, 01, 02, 11, 12, 22): views into arrays would cost more than the arithmetic.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+# What the wheels are given.
+TORQUE, WHEEL_SPEED, SPHERE_VELOCITY = 0, 1, 2
+# What the stage is given.
+STILL, FORCE, ACCELERATION = 0, 1, 2
+
+# A wheel's contact state beside 0 and 1: it rests on the boundary between its races.
+RESTING = 2
+
+# Places in the state vector; wheel angles follow at ANGLE, and the ledger after them.
+OMEGA, ORIENTATION, POSITION, VELOCITY, ANGLE = 0, 3, 7, 10, 13
+# Places in the ledger: work of the motors, work on the stage, heat of the resistances.
+MOTOR_WORK, STAGE_WORK, HEAT, LEDGER = 0, 1, 2, 3
+# Columns of ``contacts`` (n, 3, 10), from the row at 0 on; of ``wheels`` (n, 8), from ŵ at 0 on; places in ``body`` (19,),
+# from the inertia's six at 0 on. What they hold is said in ``dynamics.parameters``. Plain arrays: a tuple of arrays costs two
+# counts of references at each look into it, which made the equations twice as slow.
+NORMAL, GRIP, LEVER = 3, 6, 9
+WHEEL_INERTIA, HALF_PITCH, PHASE, ROLLING_ARM, SPIN_ARM = 3, 4, 5, 6, 7
+OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = 6, 9, 10, 11, 14, 17, 18
+
+# The room that the functions below work in: the matrix G of ``enter_state`` and whether it is known.
+ROOM = 7
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True, error_model="numpy")
+def _add(a, s, b):
+    """a + s b."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _times(M, a):
+    """M a of a symmetric matrix."""
+    return (
+        M[0] * a[0] + M[1] * a[1] + M[2] * a[2],
+        M[1] * a[0] + M[3] * a[1] + M[4] * a[2],
+        M[2] * a[0] + M[4] * a[1] + M[5] * a[2],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _add_dyad(M, s, a):
+    """M + s a aᵀ."""
+    return (
+        M[0] + s * a[0] * a[0], M[1] + s * a[0] * a[1], M[2] + s * a[0] * a[2],
+        M[3] + s * a[1] * a[1], M[4] + s * a[1] * a[2], M[5] + s * a[2] * a[2],
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _row(contacts, w, k):
+    return contacts[w, k, 0], contacts[w, k, 1], contacts[w, k, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _normal(contacts, w, k):
+    return contacts[w, k, NORMAL], contacts[w, k, NORMAL + 1], contacts[w, k, NORMAL + 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _grip(contacts, w, k):
+    return contacts[w, k, GRIP], contacts[w, k, GRIP + 1], contacts[w, k, GRIP + 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _at(y, i):
+    return y[i], y[i + 1], y[i + 2]
+
+
+@njit(cache=True, error_model="numpy")
+def inverse(M):
+    """Inverse of a symmetric matrix, and whether it has one."""
+    c00, c01, c02 = M[3] * M[5] - M[4] * M[4], M[2] * M[4] - M[1] * M[5], M[1] * M[4] - M[2] * M[3]
+    det = M[0] * c00 + M[1] * c01 + M[2] * c02
+    size = (abs(M[0]) + abs(M[1]) + abs(M[2])) * (abs(M[1]) + abs(M[3]) + abs(M[4])) * (abs(M[2]) + abs(M[4]) + abs(M[5]))
+    fine = abs(det) > 1e-14 * size
+    f = 1.0 / det if fine else 0.0
+    c11, c12, c22 = M[0] * M[5] - M[2] * M[2], M[1] * M[2] - M[0] * M[4], M[0] * M[3] - M[1] * M[1]
+    return (f * c00, f * c01, f * c02, f * c11, f * c12, f * c22), fine
+
+
+@njit(cache=True, error_model="numpy")
+def turned(body, y):
+    """Inertia tensor and centre of mass in the inertial frame: A I_b Aᵀ and A ρ_b, A the rotation of y's quaternion."""
+    w, a, b, c = y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
+    # Stages of a step leave the unit sphere by the step's error: the rotation is taken of the quaternion's direction.
+    s = 2.0 / (w * w + a * a + b * b + c * c)
+    row0 = (1 - s * (b * b + c * c), s * (a * b - w * c), s * (a * c + w * b))
+    row1 = (s * (a * b + w * c), 1 - s * (a * a + c * c), s * (b * c - w * a))
+    row2 = (s * (a * c - w * b), s * (b * c + w * a), 1 - s * (a * a + b * b))
+    r = _at(body, OFFSET)
+    own = (body[0], body[1], body[2], body[3], body[4], body[5])
+    k0, k1, k2 = _times(own, row0), _times(own, row1), _times(own, row2)
+    inertia = (_dot(row0, k0), _dot(row0, k1), _dot(row0, k2), _dot(row1, k1), _dot(row1, k2), _dot(row2, k2))
+    return inertia, (_dot(row0, r), _dot(row1, r), _dot(row2, r))
+
+
+@njit(cache=True, error_model="numpy")
+def blend_rows(contacts, state, Omega):
+    """Rows of wheels that rest between their races: λ h₀ + (1 − λ) h₁ with no speed, so that they neither turn nor work.
+
+    While a sphere turns about a wheel's contact, one race drives the wheel up to their boundary and the other back down: it
+    stays there, touched by both in turns without end (the sliding mode of Filippov). The mean row is the one that keeps it
+    still.
+    """
+    for w in range(state.size):
+        if state[w] == RESTING:
+            s0, s1 = _dot(_row(contacts, w, 0), Omega), _dot(_row(contacts, w, 1), Omega)
+            share = s1 / (s1 - s0) if s1 != s0 else 0.5
+            for i in range(3):
+                contacts[w, RESTING, i] = share * contacts[w, 0, i] + (1.0 - share) * contacts[w, 1, i]
+
+
+@njit(cache=True, error_model="numpy")
+def effective_inertia(body, contacts, wheels, state, stage_kind, I, rho):
+    """I_s + J⁻ᵀ I_w J⁻¹, less what a freely moving stage takes off an offset mass: (M_s²/M)(ρ² E − ρ ρᵀ)."""
+    M = I
+    for w in range(state.size):
+        if state[w] != RESTING:
+            M = _add_dyad(M, wheels[w, WHEEL_INERTIA], _row(contacts, w, state[w]))
+    if stage_kind == FORCE:
+        share = body[SPHERE_MASS] * body[SPHERE_MASS] / body[MOVING_MASS]
+        square = share * _dot(rho, rho)
+        M = _add_dyad((M[0] - square, M[1], M[2], M[3] - square, M[4], M[5] - square), share, rho)
+    return M
+
+
+@njit(cache=True, error_model="numpy")
+def enter_state(contacts, state, room):
+    """Work out what depends on the contact state alone; to be called whenever ``state`` changes.
+
+    It is G of N = R̂ᵀ G b, the inverse of Σ R̂ R̂ᵀ: N balances the force b, with least ΣN²/K where n > 3 (equal K). Contacts
+    that lie in a plane leave it undetermined, which ``room[6]`` tells.
+    """
+    S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for w in range(state.size):
+        S = _add_dyad(S, 1.0, _normal(contacts, w, state[w]))
+    G, known = inverse(S)
+    for i in range(6):
+        room[i] = G[i]
+    room[6] = 1.0 if known else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, forces=True):
+    """Everything at an instant: sphere and stage accelerations, motor torques, normal forces, friction.
+
+    ``drive`` (n or 3) holds torques (N m), wheel speeds or the sphere's angular velocity (rad/s), ``drive_slope`` their
+    rates; ``stage`` (3) a force (N) or an acceleration (m/s²). ``out`` (3 n + 6) receives torque, normal force and friction
+    of the wheels, Ω̇ and p̈. ``y`` is read, and its Ω set where the drive prescribes it. Returns False where the equations have
+    no solution. Resistances depend on the normal forces and these on them: both are found by iteration. Without ``forces``
+    normal forces and friction are left out where the motion does not depend on them.
+    """
+    n = state.size
+    I, rho = turned(body, y)
+    x = (0.0, 0.0, 0.0)
+    if drive_kind == SPHERE_VELOCITY:
+        for i in range(3):
+            y[OMEGA + i] = drive[i]
+        x = (drive_slope[0], drive_slope[1], drive_slope[2])
+    elif drive_kind == WHEEL_SPEED:
+        Omega, fine = sphere_from_wheels(contacts, state, drive)
+        x, also = sphere_from_wheels(contacts, state, drive_slope)
+        if not (fine and also):
+            return False
+        y[OMEGA], y[OMEGA + 1], y[OMEGA + 2] = Omega
+    Omega = _at(y, OMEGA)
+    blend_rows(contacts, state, Omega)
+    M = effective_inertia(body, contacts, wheels, state, stage_kind, I, rho)
+    M_inverse, fine = inverse(M)
+    if not fine:
+        return False
+    # Ω × (Ω × ρ): what the offset mass feels besides Ω̇.
+    centripetal = _cross(Omega, _cross(Omega, rho))
+    a = (0.0, 0.0, 0.0)
+    share = 0.0
+    if stage_kind == FORCE:
+        share = body[SPHERE_MASS] / body[MOVING_MASS]
+        a = _add(
+            (stage[0] / body[MOVING_MASS], stage[1] / body[MOVING_MASS], stage[2] / body[MOVING_MASS]), -share, centripetal
+        )
+    elif stage_kind == ACCELERATION:
+        a = (stage[0], stage[1], stage[2])
+    gravity = _at(body, WEIGHT)
+    # Moments that know nothing of the unknowns: −Ω × I Ω + ρ × M_s (g − p̈), p̈ without Ω̇'s own part in it.
+    L = _times(I, Omega)
+    known = _add(_cross(L, Omega), body[SPHERE_MASS], _cross(rho, _add(gravity, -1.0, a)))
+    resisting = _resists(body, wheels)
+    for w in range(n):
+        out[n + w] = 0.0
+    for _ in range(60):
+        b = known
+        if resisting:
+            for w in range(n):
+                b = _add(b, 1.0, _resisting_moment(body, contacts, wheels, w, state[w], Omega, out[n + w]))
+        if drive_kind == TORQUE:
+            for w in range(n):
+                out[w] = drive[w]
+                b = _add(b, drive[w], _row(contacts, w, state[w]))
+            x = _times(M_inverse, b)
+        elif not _needed_torque(contacts, state, _add(_times(M, x), -1.0, b), out):
+            return False
+        # The offset mass's own reaction on a free stage.
+        swing = _cross(x, rho)
+        p_rate = _add(a, -share, swing)
+        if not (forces or resisting):
+            _write(x, p_rate, out, n)
+            return True
+        # Friction from each wheel's own equation, then the force that the normals have to carry.
+        force = _add(_add(gravity, -1.0, p_rate), -1.0, _add(swing, 1.0, centripetal))
+        force = _add(_at(body, CLOSURE), body[SPHERE_MASS], force)
+        for w in range(n):
+            k = state[w]
+            gained = 0.0 if k == RESTING else wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, k), x)
+            drag = _wheel_drag(body, contacts, wheels, w, k, Omega, out[n + w]) if resisting else 0.0
+            friction = (out[w] + drag - gained) / contacts[w, k, LEVER]
+            out[2 * n + w] = friction
+            force = _add(force, friction, _grip(contacts, w, k))
+        change, largest = 0.0, 0.0
+        if room[6] == 1.0:
+            carried = _times((room[0], room[1], room[2], room[3], room[4], room[5]), force)
+            for w in range(n):
+                normal = _dot(_normal(contacts, w, state[w]), carried)
+                change = max(change, abs(normal - out[n + w]))
+                largest = max(largest, abs(normal))
+                out[n + w] = normal
+        if not resisting or change <= 1e-14 * largest:
+            _write(x, p_rate, out, n)
+            return True
+    return False
+
+
+@njit(cache=True, error_model="numpy")
+def _write(x, p_rate, out, n):
+    for i in range(3):
+        out[3 * n + i] = x[i]
+        out[3 * n + 3 + i] = p_rate[i]
+
+
+@njit(cache=True, error_model="numpy")
+def _resists(body, wheels):
+    found = False
+    for w in range(wheels.shape[0]):
+        found = found or wheels[w, ROLLING_ARM] != 0.0 or wheels[w, SPIN_ARM] * body[FRICTION] != 0.0
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def sphere_from_wheels(contacts, state, wheel_speed):
+    """Ω of least slip for wheel speeds, and whether there is one; the rows r sin α · R/r a weigh wheels by physical slip."""
+    S, b = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for w in range(state.size):
+        h = _row(contacts, w, state[w])
+        weight = contacts[w, state[w], LEVER] ** 2
+        S = _add_dyad(S, weight, h)
+        b = _add(b, weight * wheel_speed[w], h)
+    S_inverse, fine = inverse(S)
+    return _times(S_inverse, b), fine
+
+
+@njit(cache=True, error_model="numpy")
+def _needed_torque(contacts, state, need, out):
+    """Motor torques of least square sum whose moment Σ hᵢ Tᵢ on the sphere is ``need``, into ``out``.
+
+    False where the wheels cannot give every moment, as fewer than three of them cannot.
+    """
+    S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for w in range(state.size):
+        S = _add_dyad(S, 1.0, _row(contacts, w, state[w]))
+    S_inverse, fine = inverse(S)
+    k = _times(S_inverse, need)
+    for w in range(state.size):
+        out[w] = _dot(_row(contacts, w, state[w]), k)
+    return fine
+
+
+@njit(cache=True, error_model="numpy")
+def _resistance(body, contacts, wheels, w, k, Omega):
+    """Moment of resistance on the sphere for a normal force of one newton, with its sign turned, and Ω − ω ŵ.
+
+    m = l_r w_⊥/√(w_⊥² + ε²) + μ l_s R̂ w_n/√(w_n² + ε²), w = Ω − ω ŵ; the contact's own way of turning, not the wheel's, where
+    a race stands beside the middle. Source: model.md section 4.
+    """
+    axis = (wheels[w, 0], wheels[w, 1], wheels[w, 2])
+    R_hat = _normal(contacts, w, k)
+    speed = 0.0 if k == RESTING else _dot(_row(contacts, w, k), Omega)
+    relative = _add(Omega, -speed, axis)
+    spin = _dot(relative, R_hat)
+    rolling = _add(relative, -spin, R_hat)
+    roll = wheels[w, ROLLING_ARM] / math.sqrt(_dot(rolling, rolling) + body[SMOOTHING] ** 2)
+    twist = body[FRICTION] * wheels[w, SPIN_ARM] * spin / math.sqrt(spin * spin + body[SMOOTHING] ** 2)
+    return _add((roll * rolling[0], roll * rolling[1], roll * rolling[2]), twist, R_hat), relative
+
+
+@njit(cache=True, error_model="numpy")
+def _resisting_moment(body, contacts, wheels, w, k, Omega, normal):
+    """−N m on the sphere and, reflected through the wheel, + h N m·ŵ."""
+    m, _ = _resistance(body, contacts, wheels, w, k, Omega)
+    pressed = max(normal, 0.0)
+    drag = pressed * (m[0] * wheels[w, 0] + m[1] * wheels[w, 1] + m[2] * wheels[w, 2])
+    h = _row(contacts, w, k)
+    return drag * h[0] - pressed * m[0], drag * h[1] - pressed * m[1], drag * h[2] - pressed * m[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _wheel_drag(body, contacts, wheels, w, k, Omega, normal):
+    """Moment N m·ŵ that the contact puts on the wheel about its axis."""
+    m, _ = _resistance(body, contacts, wheels, w, k, Omega)
+    return max(normal, 0.0) * (m[0] * wheels[w, 0] + m[1] * wheels[w, 1] + m[2] * wheels[w, 2])
+
+
+@njit(cache=True, error_model="numpy")
+def heat_rate(body, contacts, wheels, state, y, out):
+    """Power that the resistances take: Σ N m · (Ω − ω ŵ), never negative."""
+    total, n = 0.0, state.size
+    if _resists(body, wheels):
+        for w in range(n):
+            m, relative = _resistance(body, contacts, wheels, w, state[w], _at(y, OMEGA))
+            total += max(out[n + w], 0.0) * _dot(m, relative)
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, dy, out, room):
+    """Time derivative of the state vector ``y`` into ``dy``; False where the equations have no solution."""
+    n = state.size
+    if not solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, False):
+        return False
+    Omega, v = _at(y, OMEGA), _at(y, VELOCITY)
+    x, a = _at(out, 3 * n), _at(out, 3 * n + 3)
+    work = 0.0
+    for w in range(n):
+        speed = 0.0 if state[w] == RESTING else _dot(_row(contacts, w, state[w]), Omega)
+        dy[ANGLE + w] = speed
+        work += out[w] * speed
+    for i in range(3):
+        dy[OMEGA + i] = x[i]
+        dy[POSITION + i] = v[i]
+        dy[VELOCITY + i] = a[i]
+    w, q = y[ORIENTATION], _at(y, ORIENTATION + 1)
+    turning = _add(_cross(Omega, q), w, Omega)
+    dy[ORIENTATION] = -0.5 * _dot(Omega, q)
+    for i in range(3):
+        dy[ORIENTATION + 1 + i] = 0.5 * turning[i]
+    ledger = ANGLE + n
+    dy[ledger + MOTOR_WORK] = work
+    dy[ledger + STAGE_WORK] = _dot(_stage_force(body, stage_kind, x, a, stage, y), v)
+    dy[ledger + HEAT] = heat_rate(body, contacts, wheels, state, y, out)
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _stage_force(body, stage_kind, x, a, stage, y):
+    """P on the stage: as given, or what its prescribed motion takes; nothing where it stands still."""
+    if stage_kind == FORCE:
+        return stage[0], stage[1], stage[2]
+    if stage_kind == STILL:
+        return 0.0, 0.0, 0.0
+    _, rho = turned(body, y)
+    Omega = _at(y, OMEGA)
+    offset = _add(_cross(x, rho), 1.0, _cross(Omega, _cross(Omega, rho)))
+    return _add((body[MOVING_MASS] * a[0], body[MOVING_MASS] * a[1], body[MOVING_MASS] * a[2]), body[SPHERE_MASS], offset)
+
+
+@njit(cache=True, error_model="numpy")
+def energy(body, contacts, wheels, state, y):
+    """Kinetic energy of sphere, wheels and stage, and the potential −M_s g·ρ of the offset mass, J.
+
+    ½ M v² + M_s v·(Ω × ρ) + ½ Ω·I Ω + ½ Σ I_w ω²; the weight's work on the stage's own motion is the gantry's.
+    """
+    I, rho = turned(body, y)
+    Omega, v = _at(y, OMEGA), _at(y, VELOCITY)
+    kinetic = (
+        0.5 * body[MOVING_MASS] * _dot(v, v)
+        + body[SPHERE_MASS] * _dot(v, _cross(Omega, rho))
+        + 0.5 * _dot(Omega, _times(I, Omega))
+    )
+    for w in range(state.size):
+        if state[w] != RESTING:
+            kinetic += 0.5 * wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, state[w]), Omega) ** 2
+    return kinetic, -body[SPHERE_MASS] * _dot(_at(body, WEIGHT), rho)
+
+
+@njit(cache=True, error_model="numpy")
+def impact(body, contacts, wheels, stage_kind, before, after, y):
+    """Change of race with free wheels, from contact state ``before`` to ``after``: sets Ω (and v of a free stage) in ``y``.
+
+        (I_s + J₂⁻ᵀ I_w J₂⁻¹) Ω⁺ = I_s Ω⁻ + J₂⁻ᵀ I_w ω⁻,   ω⁻ = J₁⁻¹ Ω⁻
+
+    A free stage takes part: M Δv = −M_s ΔΩ × ρ. A wheel that comes to rest between its races gives its spin to the sphere
+    through its mean row. False where the equations have no solution.
+    """
+    I, rho = turned(body, y)
+    Omega = _at(y, OMEGA)
+    blend_rows(contacts, before, Omega)
+    blend_rows(contacts, after, Omega)
+    M = effective_inertia(body, contacts, wheels, after, stage_kind, I, rho)
+    # M (Ω⁺ − Ω⁻) = J₂⁻ᵀ I_w (ω⁻ − J₂⁻¹ Ω⁻): nothing happens to wheels whose row stays.
+    b = (0.0, 0.0, 0.0)
+    for w in range(after.size):
+        if before[w] != RESTING or after[w] != RESTING:
+            h1, h2 = _row(contacts, w, before[w]), _row(contacts, w, after[w])
+            b = _add(b, wheels[w, WHEEL_INERTIA] * (_dot(h1, Omega) - _dot(h2, Omega)), h2)
+            if after[w] == RESTING:
+                M = _add_dyad(M, wheels[w, WHEEL_INERTIA], h2)
+    M_inverse, fine = inverse(M)
+    x = _times(M_inverse, b)
+    if stage_kind == FORCE:
+        kick = _cross(x, rho)
+        for i in range(3):
+            y[VELOCITY + i] -= body[SPHERE_MASS] / body[MOVING_MASS] * kick[i]
+    for i in range(3):
+        y[OMEGA + i] += x[i]
+    return fine

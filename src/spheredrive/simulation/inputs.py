@@ -1,0 +1,81 @@
+"""What drives a simulation, as straight pieces between breakpoints: every corner of an input is the end of a step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from spheredrive.dynamics.rolling import ACCELERATION, FORCE, SPHERE_VELOCITY, STILL, TORQUE, WHEEL_SPEED
+from spheredrive.errors import SpheredriveError
+from spheredrive.motion import Motion, Series
+
+KINDS = {"wheel-torque": TORQUE, "wheel-speed": WHEEL_SPEED, "sphere-velocity": SPHERE_VELOCITY}
+
+
+class Start(NamedTuple):
+    """Position and velocity of the stage at the start, m and m/s, (3,) each, and what is given of it afterwards."""
+
+    stage_kind: int
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+def inputs_of(motion: Motion, torque_limit: float | None = None) -> tuple[np.ndarray, Start]:
+    """The straight pieces of ``motion`` as rows: begin and end (s), drive there, force (N) or acceleration of the stage there.
+
+    A row holds 2 + 2 c + 6 numbers, c the columns of the drive. Wheel torques beyond ``torque_limit`` (N m) are cut off at
+    it, with a corner there. A stage given by its position moves along the cubic spline through it (not-a-knot), so that its
+    acceleration is finite and runs straight between the given times.
+    """
+    drive = _limited(motion.series, torque_limit) if motion.kind == "wheel-torque" and torque_limit else motion.series
+    stage, start = _stage(motion)
+    knots = [0.0, motion.duration, *drive.time, *stage.time]
+    knots = np.unique([t for t in knots if 0.0 <= t <= motion.duration])
+    first, last = knots[:-1], knots[1:]
+    ends = [first[:, None], last[:, None]]
+    values = [drive.at(first), drive.at(last, side="left"), stage.at(first), stage.at(last, side="left")]
+    return np.hstack([*ends, *values]), start
+
+
+def _limited(series: Series, limit: float) -> Series:
+    """The series cut off at ± limit, with new times where a straight piece crosses it."""
+    time, values = np.array(series.time), np.array(series.values)
+    if series.interpolation == "step":
+        return Series(series.time, _rows(np.clip(values, -limit, limit)), "step")
+    crossings = []
+    for bound in (-limit, limit):
+        before, after = values[:-1] - bound, values[1:] - bound
+        piece, column = np.nonzero(before * after < 0)
+        share = before[piece, column] / (before[piece, column] - after[piece, column])
+        crossings.append(time[piece] + share * (time[piece + 1] - time[piece]))
+    times = np.unique(np.concatenate([time, *crossings]))
+    return Series(tuple(times), _rows(np.clip(series.at(times), -limit, limit)))
+
+
+def _stage(motion: Motion) -> tuple[Series, Start]:
+    zero = np.zeros(3)
+    if motion.stage is None:
+        return Series((0.0,), ((0.0, 0.0, 0.0),)), Start(STILL, zero, zero)
+    series = motion.stage.series
+    if motion.stage.kind == "force":
+        return series, Start(FORCE, zero, zero)
+    position = np.array(series.values)
+    if len(position) == 1:
+        return Series((0.0,), ((0.0, 0.0, 0.0),)), Start(ACCELERATION, position[0], zero)
+    if series.interpolation == "step":
+        raise SpheredriveError("a stage cannot jump: give its position with linear interpolation between more times")
+    if series.time[0] > 0 or series.time[-1] < motion.duration:
+        raise SpheredriveError(
+            f"the stage's position must be given from 0 to the duration of {motion.duration:g} s, not from "
+            f"{series.time[0]:g} to {series.time[-1]:g} s"
+        )
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(series.time, position)
+    acceleration = Series(series.time, _rows(spline(series.time, 2)))
+    return acceleration, Start(ACCELERATION, spline(0.0), spline(0.0, 1))
+
+
+def _rows(values: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    return tuple(map(tuple, values.tolist()))
