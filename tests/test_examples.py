@@ -3,11 +3,14 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import spheredrive as sd
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -34,6 +37,7 @@ def test_readme_python_runs(tmp_path):
 def test_readme_commands_run(tmp_path):
     lines = [line.split("#")[0].strip() for line in README.splitlines() if line.startswith("    spheredrive ")]
     assert len(lines) >= 3
+    shutil.copy(sd.motion_path("atlas-table-2-1"), tmp_path / "motion.toml")
     for line in lines:
         answer = run([str(PROGRAM), *shlex.split(line)[1:]], tmp_path)
         assert answer.returncode == 0, f"{line}: {answer.stderr}"

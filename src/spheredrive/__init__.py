@@ -15,7 +15,7 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_MODULES = ("design", "errors", "frames", "io", "kinematics", "motion", "report", "wheels")
+_MODULES = ("contact", "design", "dynamics", "errors", "frames", "io", "kinematics", "motion", "report", "wheels")
 _NAMES = {
     "Design": "design",
     "DesignError": "errors",
@@ -26,10 +26,12 @@ _NAMES = {
     "SpheredriveError": "errors",
     "check": "checking",
     "design_path": "designs",
+    "least_preload": "simulation.preload",
     "load_design": "io.design_file",
     "load_motion": "io.motion_file",
     "motion_path": "designs",
     "shipped_designs": "designs",
+    "simulate": "simulation.simulate",
 }
 
 __all__ = ["__version__", *_MODULES, *_NAMES]

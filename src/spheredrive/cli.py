@@ -7,6 +7,8 @@ does not work; 2: bad input. Imports stand inside the functions: a help text mus
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +19,10 @@ from spheredrive.errors import SpheredriveError
 
 EXIT_DOES_NOT_WORK = 1
 EXIT_BAD_INPUT = 2
+EXIT_STOPPED = 130
+
+# Work that is done sooner than this, in s, shows no progress.
+PATIENCE = 1.0
 
 app = App(
     name="spheredrive",
@@ -52,6 +58,54 @@ def check(design: Path, *, json: Json = False) -> int:
 
 
 @app.command
+def simulate(
+    design: Path,
+    motion: Path,
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])] = Path("run.nc"),
+    model: str = "rolling",
+    json: Json = False,
+) -> int:
+    """Run a motion through the dynamics and write everything over time into one NetCDF file.
+
+    Parameters
+    ----------
+    design
+        Design file (TOML).
+    motion
+        Motion file (TOML).
+    output
+        The NetCDF file to write.
+    model
+        Model of the machine: rolling.
+    """
+    from spheredrive.io.design_file import load_design
+    from spheredrive.io.motion_file import load_motion
+    from spheredrive.io.results import require_writable, write_run
+    from spheredrive.simulation.overview import overview
+    from spheredrive.simulation.simulate import simulate_run
+
+    loaded = load_design(design)
+    asked = load_motion(motion, wheel_count=loaded.wheel_count)
+    require_writable(output)
+    try:
+        with _progress("Simulating") as watch:
+            run, dataset = simulate_run(loaded, asked, model, watch=watch)
+        result = overview(loaded, run, model)
+        write_run(dataset, output)
+    except KeyboardInterrupt:
+        _note(f"Stopped: {output} is not written.")
+        return EXIT_STOPPED
+    if json:
+        _print_json({"path": str(output), **result.as_dict()})
+    else:
+        from spheredrive.summary import run_text
+
+        print(f"{output}\n{run_text(result)}")
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
 def report(
     design: Path,
     motion: Path | None = None,
@@ -69,15 +123,17 @@ def report(
     output
         The HTML file to write.
     """
-    from spheredrive.checking import check as work_out
     from spheredrive.io.design_file import load_design
+    from spheredrive.io.files import write_whole
     from spheredrive.io.motion_file import load_motion
-    from spheredrive.report import write_report
+    from spheredrive.report.page import page
 
     loaded = load_design(design)
     asked = None if motion is None else load_motion(motion, wheel_count=loaded.wheel_count)
-    print(write_report(loaded, output, motion=asked))
-    return 0 if work_out(loaded).works else EXIT_DOES_NOT_WORK
+    found = page(loaded, asked)
+    write_whole(output, found.html)
+    print(output)
+    return 0 if found.works else EXIT_DOES_NOT_WORK
 
 
 @app.command
@@ -159,7 +215,7 @@ def main(arguments: list[str] | None = None) -> None:
         code = 0
     except KeyboardInterrupt:
         _note("Stopped.")
-        code = 130
+        code = EXIT_STOPPED
     sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -170,6 +226,30 @@ def _refuse(sentence: str) -> None:
 
 def _note(sentence: str) -> None:
     print(sentence, file=sys.stderr)
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[float], None]]:
+    """A function to be told the share of work that is done; it draws a bar where somebody watches and work takes long."""
+    if not sys.stderr.isatty():
+        yield lambda share: None
+        return
+    import threading
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    bar = Progress(console=Console(stderr=True), transient=True)
+    task = bar.add_task(what, total=1.0)
+    # By the clock: compiling the equations for the first time takes long before any work is done.
+    timer = threading.Timer(PATIENCE, bar.start)
+    timer.start()
+    try:
+        yield lambda share: bar.update(task, completed=share)
+    finally:
+        timer.cancel()
+        timer.join()
+        bar.stop()
 
 
 def _one_paragraph(text: str) -> str:

@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -136,9 +138,111 @@ def test_report_with_a_motion_for_another_number_of_wheels_is_refused(tmp_path):
     assert not (tmp_path / "report.html").exists()
 
 
+# simulate
+
+TORQUES = """
+schema_version = 1
+[motion]
+kind = "wheel-torque"
+duration = "{duration}"
+{inputs}
+"""
+GENTLE = "time = [0, 0.5]\nvalues = [[0.02, 0.01, 0.02], [-0.01, 0.0, 0.01]]"
+
+
+def motion_file(folder, inputs=GENTLE, duration="0.5 s"):
+    path = folder / "motion.toml"
+    path.write_text(TORQUES.format(inputs=inputs, duration=duration), encoding="utf-8")
+    return path
+
+
+def test_simulate_writes_the_run_and_prints_its_path_and_peaks(tmp_path):
+    design = sd.design_path("atlas-dual-race")
+    answer = run("simulate", design, motion_file(tmp_path), "-o", "out.nc", folder=tmp_path)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert answer.stdout.startswith("out.nc\n") and "The design works in this motion." in answer.stdout
+    assert answer.stderr == ""
+    found = sd.io.read_run(tmp_path / "out.nc")
+    here = sd.simulate(sd.load_design(design), sd.load_motion(tmp_path / "motion.toml"))
+    np.testing.assert_array_equal(found.angular_velocity, here.angular_velocity)
+    assert found.attrs["design"] == design.read_text(encoding="utf-8")
+
+
+def test_simulate_json_is_the_only_output_and_holds_the_runs_numbers(tmp_path):
+    answer = run("simulate", sd.design_path("atlas-dual-race"), motion_file(tmp_path), "--json", folder=tmp_path)
+    result = json.loads(answer.stdout)
+    data = sd.io.read_run(tmp_path / result["path"])
+    assert answer.stderr == "" and result["works"] and result["findings"] == []
+    peak = np.abs(data.motor_torque).max("time").values.tolist()
+    assert [row["torque_n_m"] for row in result["wheels"]] == peak
+    assert result["race_changes"] == data.sizes["event"]
+
+
+def test_simulate_design_that_breaks_a_limit_exits_1_with_wheel_and_time(tmp_path):
+    hard = motion_file(tmp_path, "time = [0]\nvalues = [[0.1, 0.1, 0.1]]")
+    answer = run("simulate", sd.design_path("atlas-dual-race"), hard, folder=tmp_path)
+    assert answer.returncode == 1 and (tmp_path / "run.nc").exists()
+    assert "Wheel 1 passes its motor's speed limit" in answer.stdout and " s on" in answer.stdout
+
+
+def test_simulate_run_that_grows_without_limit_exits_1_with_its_reason(tmp_path):
+    text = sd.design_path("atlas-dual-race").read_text(encoding="utf-8")
+    for old, new in (('"2 kg"', '"2e-6 kg"'), ('"0.1 kg"', '"1e-6 kg"'), ('torque = "2 N m"', "")):
+        text = text.replace(old, new)
+    (tmp_path / "tiny.toml").write_text(text, encoding="utf-8")
+    huge = motion_file(tmp_path, "time = [0]\nvalues = [[1e3, 2e3, 1e3]]", duration="1000 s")
+    huge.write_text(huge.read_text(encoding="utf-8") + '[output]\nsample_rate = "1 Hz"\n', encoding="utf-8")
+    answer = run("simulate", "tiny.toml", huge, "--json", folder=tmp_path)
+    result = json.loads(answer.stdout)
+    assert answer.returncode == 1 and not result["completed"] and "without limit" in result["reason"]
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words", "message"),
+    [
+        (GENTLE, ("-o", "no/folder/run.nc"), "no such folder"),
+        (GENTLE, ("--model", "rigid"), "choose from rolling"),
+        ("time = [0]\nvalues = [[1, 2]]", (), "2 columns, but the design has 3 wheels"),
+        ('file = "bad.csv"', (), "bad.csv:3:5"),
+    ],
+)
+def test_simulate_bad_input_exits_2_and_leaves_no_file(inputs, words, message, tmp_path):
+    (tmp_path / "bad.csv").write_text("time,wheel_1,wheel_2,wheel_3\n0,0,0,0\n0.1,none,0,0\n", encoding="utf-8")
+    motion = motion_file(tmp_path, inputs)
+    before = sorted(tmp_path.iterdir())
+    answer = run("simulate", sd.design_path("atlas-dual-race"), motion, *words, folder=tmp_path)
+    assert answer.returncode == 2 and answer.stdout == ""
+    assert answer.stderr.startswith("spheredrive: ") and message in answer.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT for one process alone")
+def test_simulate_stopped_by_ctrl_c_exits_130_and_leaves_no_file(tmp_path):
+    # Long enough that no machine finishes it before it is stopped.
+    inputs = "time = [0, 5]\nvalues = [[0.001, 0.0, 0.001], [-0.001, 0.0, -0.001]]"
+    motion = motion_file(tmp_path, inputs.replace("5]", "20000]", 1), duration="20000 s")
+    motion.write_text(motion.read_text(encoding="utf-8") + '[output]\nsample_rate = "1 Hz"\n', encoding="utf-8")
+    words = [str(PROGRAM), "simulate", str(sd.design_path("atlas-dual-race")), str(motion)]
+    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(2.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert output == "" and errors.startswith("Stopped") and "Traceback" not in errors
+    assert list(tmp_path.iterdir()) == [motion]
+
+
+def test_report_of_torques_shows_the_loads_and_exits_by_them(tmp_path):
+    design = sd.design_path("atlas-dual-race")
+    hard = motion_file(tmp_path, "time = [0]\nvalues = [[0.1, 0.1, 0.1]]")
+    assert run("report", design, hard, folder=tmp_path).returncode == 1
+    assert 'id="sizing"' in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
 def test_help_lists_every_command():
     text = run("--help").stdout
-    for command in ("check", "report", "demo", "new", "schema"):
+    for command in ("check", "simulate", "report", "demo", "new", "schema"):
         assert command in text
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from spheredrive import kinematics
 from spheredrive.checking import check
-from spheredrive.design import Design, Placement, Sphere
+from spheredrive.design import Contact, Design, Motor, Placement, Sphere
 from spheredrive.errors import DesignError, InputError
 from spheredrive.motion import Motion, Series
 from spheredrive.report import render_report, write_report
@@ -19,6 +19,7 @@ from spheredrive.report.figures.contact_states import (
 )
 from spheredrive.report.figures.effectiveness import effectiveness_caption, extremes
 from spheredrive.report.figures.layout import drawn_wheels, layout_figure
+from spheredrive.report.figures.loads import contact_force_caption, contact_force_figure
 from spheredrive.report.figures.projection import (
     FROM_ABOVE,
     FROM_SIDE,
@@ -31,7 +32,9 @@ from spheredrive.report.figures.projection import (
 from spheredrive.report.figures.race_error import peaks, race_error_caption, race_error_figure
 from spheredrive.report.figures.style import house_style, svg_text
 from spheredrive.report.figures.thinning import thinned
-from spheredrive.report.tables import shown_quantity
+from spheredrive.report.tables import shown_quantity, sizing_table
+from spheredrive.simulation.overview import overview
+from spheredrive.simulation.rolling_run import run_rolling
 from spheredrive.wheels import DualRaceWheel, IdealWheel, SplitDualRaceWheel, StandardWheel, TripleRaceWheel
 
 HOSTILE = "<script>alert('&\"$x^2$\x00\x1b[31m')</script>"
@@ -225,6 +228,87 @@ def test_contact_states_many_show_the_worst_and_say_so():
 def test_contact_states_too_many_to_list_is_a_sentence():
     result = check(ring(dual_race(), count=10, elevation_deg=-30.0))
     assert contact_states_sentence(result).startswith("There are 1024 contact states, too many to list.")
+
+
+# Loads of a run of the dynamics.
+
+
+def driven(friction=0.9, **rest):
+    wheel = DualRaceWheel(radius=0.025, rollers=16, roller_radius=4.85e-3, race_spacing=12.5e-3, mass=0.1)
+    return ring(wheel, name="Atlas", contact=Contact(friction=friction), **rest)
+
+
+def pushed(*rows, duration=0.5):
+    return Motion("wheel-torque", Series(tuple(np.linspace(0, duration, len(rows))), rows), duration)
+
+
+GENTLE = pushed((0.02, 0.01, 0.02), (-0.01, 0.0, 0.01))
+
+
+@pytest.fixture(scope="module")
+def driven_page():
+    return render_report(driven(), GENTLE)
+
+
+def test_render_report_torques_show_motion_motors_forces_and_sizing(driven_page):
+    for key in ("motion", "motors", "forces"):
+        assert f'<figure id="{key}">' in driven_page
+    assert "Energy ledger" in sentence(driven_page, "sizing") and "RMS torque" in driven_page
+    assert "Kinematics cannot follow it" not in driven_page and "The design works." in driven_page
+    names = re.findall(r'\bid="([^"]*)"', driven_page)
+    assert len(names) == len(set(names)) and len(driven_page.encode()) < 1_500_000
+
+
+def test_render_report_torques_same_input_gives_same_bytes(driven_page):
+    assert render_report(driven(), GENTLE) == driven_page
+
+
+def test_render_report_broken_limits_are_findings_with_wheel_and_time():
+    text = render_report(driven(motor=Motor(speed=1.0)), GENTLE)
+    assert "The layout works, but the design does not in this motion." in text
+    assert re.search(r"Wheel 1 passes its motor&#39;s speed limit of 1 rad/s from 0\.\d+ s on", text)
+
+
+def test_render_report_sizing_table_holds_the_peaks_of_the_run(driven_page):
+    result = overview(driven(), run_rolling(driven(), GENTLE))
+    table = sizing_table(result)
+    assert len(table.columns) == len(table.units) == len(table.rows[0]) == 13
+    for row, peak in zip(table.rows, result.loads.peaks, strict=True):
+        assert row[:2] == (str(peak.wheel), f"{peak.torque:.4g}")
+        assert f'<td class="number">{peak.speed:.4g}</td>' in driven_page
+
+
+def test_render_report_prescribed_velocity_keeps_kinematics_and_gains_loads():
+    text = render_report(driven(), Motion("sphere-velocity", Series((0.0, 0.3), ((0.1, 0.2, 0.3), (1, -1, 2))), 0.3))
+    for key in ("motion", "error", "motors", "forces"):
+        assert f'<figure id="{key}">' in text
+
+
+def test_render_report_without_masses_says_why_there_are_no_loads(atlas_page):
+    assert "The loads are not worked out: the dynamics need the mass" in sentence(atlas_page, "loads")
+    triple = TripleRaceWheel(radius=0.025, rollers=24, roller_radius=4e-3, race_spacing=10e-3, mass=0.1)
+    assert "touch together slip" in sentence(render_report(ring(triple), GENTLE), "loads")
+
+
+@pytest.mark.parametrize(
+    ("design", "motion", "panels"),
+    [
+        (driven(), GENTLE, 3),
+        (driven(friction=None), GENTLE, 2),
+        (driven(elevation_deg=0.0, heading=30.0), GENTLE, 1),
+        (driven(count=40, elevation_deg=-30.0), pushed((0.01,) * 40), 3),
+    ],
+    ids=["all known", "no friction", "normal forces unknown", "forty wheels"],
+)
+def test_contact_force_figure_shows_what_is_known(design, motion, panels):
+    run = run_rolling(design, motion)
+    result = overview(design, run)
+    figure = contact_force_figure(run, result.loads)
+    assert len(figure.axes) == panels and contact_force_caption(result)
+    if design.wheel_count == 3:
+        force = run.normal_force if panels > 1 else run.friction_force
+        drawn = [line for line in figure.axes[0].lines if line.get_label().startswith("wheel")]
+        assert [line.get_ydata().min() for line in drawn] == force.min(axis=0).tolist()
 
 
 # Where things are drawn.

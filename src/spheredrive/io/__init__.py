@@ -1,4 +1,4 @@
-"""Files and text in and out: design and motion files, the catalogue, units. Nothing below this layer knows of either."""
+"""Files and text in and out: design and motion files, runs, the catalogue, units. Nothing below this layer knows of either."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ _NAMES = {
     "motion_schema": "schema",
     "parse_design": "design_file",
     "parse_motion": "motion_file",
+    "read_run": "results",
     "starting_file": "template",
     "write_new": "template",
+    "write_run": "results",
     "write_whole": "files",
 }
 

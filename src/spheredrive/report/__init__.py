@@ -19,9 +19,9 @@ def render_report(design: Design, motion: Motion | None = None) -> str:
     another number of wheels; what a design cannot do is said in the report.
     """
     # Plotting and templates cost a second to import: only who asks for a report pays.
-    from spheredrive.report.page import page_html
+    from spheredrive.report.page import page
 
-    return page_html(design, motion)
+    return page(design, motion).html
 
 
 def write_report(design: Design, path: str | Path, motion: Motion | None = None) -> Path:

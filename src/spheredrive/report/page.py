@@ -17,7 +17,7 @@ import spheredrive
 from spheredrive import kinematics
 from spheredrive.checking import Check, check
 from spheredrive.design import Design
-from spheredrive.errors import NearSingularWarning, SingularError
+from spheredrive.errors import NearSingularWarning, SingularError, SpheredriveError
 from spheredrive.kinematics import KinematicRun
 from spheredrive.motion import Motion
 from spheredrive.report import tables
@@ -28,33 +28,65 @@ from spheredrive.report.figures.contact_states import (
 )
 from spheredrive.report.figures.effectiveness import effectiveness_caption, effectiveness_figure
 from spheredrive.report.figures.layout import layout_caption, layout_figure
+from spheredrive.report.figures.loads import (
+    contact_force_caption,
+    contact_force_figure,
+    ledger_sentence,
+    motor_caption,
+    motor_figure,
+)
 from spheredrive.report.figures.projection import FROM_ABOVE, FROM_SIDE
 from spheredrive.report.figures.race_error import race_error_caption, race_error_figure
 from spheredrive.report.figures.sphere_motion import sphere_motion_caption, sphere_motion_figure
 from spheredrive.report.figures.style import svg_text
+from spheredrive.simulation.overview import Overview, overview
+from spheredrive.simulation.rolling_run import RollingRun, run_rolling
 
 # A page shows no more than this many samples of a motion; every change of race is worked out whatever the rate.
 SAMPLES = 200_000
 
 
 class Part(NamedTuple):
-    """A titled piece of the page: SVG figures and their caption, or a sentence in their place."""
+    """A titled piece of the page: SVG figures and their caption, or a sentence in their place; a table after them."""
 
     key: str
     title: str
     caption: str
     figures: tuple[Markup, ...] = ()
+    table: tables.Table | None = None
 
 
-def page_html(design: Design, motion: Motion | None = None) -> str:
-    """The whole report as HTML text."""
+class Page(NamedTuple):
+    """A report as HTML text, and whether what it tells is a design that works."""
+
+    html: str
+    works: bool
+
+
+class Dynamics(NamedTuple):
+    """A motion followed by the rolling model."""
+
+    run: RollingRun
+    overview: Overview
+
+
+def page(design: Design, motion: Motion | None = None) -> Page:
+    """The whole report."""
     result = check(design)
+    if motion is not None:
+        motion.check_wheel_count(design.wheel_count)
+    dynamics = None if motion is None else _dynamics(design, motion)
+    moved = dynamics.overview if isinstance(dynamics, Dynamics) else None
+    works = result.works and (moved is None or moved.works)
     template = _environment().from_string((files("spheredrive.report") / "report.html.j2").read_text(encoding="utf-8"))
-    return template.render(
+    html = template.render(
         design=design,
+        works=works,
+        verdict=_verdict(result, moved),
+        findings=[*result.findings, *(moved.findings if moved else ())],
         motion=motion,
         result=result,
-        parts=[*_design_parts(design, result), *_motion_parts(design, motion)],
+        parts=[*_design_parts(design, result), *_motion_parts(design, motion, dynamics)],
         placements=tables.placement_rows(design),
         sections=[*tables.design_sections(design), *tables.wheel_sections(design)],
         omitted_models=max(0, len(tables.wheel_models(design)) - tables.MODELS_SHOWN),
@@ -64,6 +96,13 @@ def page_html(design: Design, motion: Motion | None = None) -> str:
         matrices=tables.matrices(result),
         version=spheredrive.__version__,
     )
+    return Page(html, works)
+
+
+def _verdict(result: Check, moved: Overview | None) -> str:
+    if not result.works:
+        return "The design does not work."
+    return "The design works." if moved is None or moved.works else "The layout works, but the design does not in this motion."
 
 
 def _environment() -> Environment:
@@ -100,10 +139,17 @@ def _design_parts(design: Design, result: Check) -> list[Part]:
     return [*parts, _drawn("states", "Contact states", caption, lambda: contact_states_figure(result))]
 
 
-def _motion_parts(design: Design, motion: Motion | None) -> list[Part]:
+def _motion_parts(design: Design, motion: Motion | None, dynamics: Dynamics | str | None) -> list[Part]:
     if motion is None:
         return []
-    motion.check_wheel_count(design.wheel_count)
+    if motion.kind == "wheel-torque" and isinstance(dynamics, Dynamics):
+        run = dynamics.run
+        sphere = _drawn("motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run))
+        return [sphere, *_load_parts(dynamics)]
+    return [*_kinematic_parts(design, motion), *_load_parts(dynamics)]
+
+
+def _kinematic_parts(design: Design, motion: Motion) -> list[Part]:
     run = _run(design, motion)
     if isinstance(run, str):
         return [Part("motion", "Motion", run)]
@@ -122,6 +168,32 @@ def _motion_parts(design: Design, motion: Motion | None) -> list[Part]:
         else "No wheel of this design has races that take turns: the nominal Jacobian is exact, and there is no error to draw."
     )
     return [Part("error", "Error of the nominal Jacobian", why), sphere]
+
+
+def _load_parts(dynamics: Dynamics | str | None) -> list[Part]:
+    if not isinstance(dynamics, Dynamics):
+        return [Part("loads", "Loads", f"The loads are not worked out: {dynamics}.")]
+    run, moved = dynamics
+    loads, sizing = moved.loads, tables.sizing_table(moved)
+    assert loads is not None, "a run with samples has loads"
+    return [
+        _drawn("motors", "Motors", motor_caption(loads), lambda: motor_figure(run, loads)),
+        _drawn("forces", "Contact forces", contact_force_caption(moved), lambda: contact_force_figure(run, loads)),
+        Part("sizing", "What each wheel has to bear", ledger_sentence(moved), table=sizing),
+    ]
+
+
+def _dynamics(design: Design, motion: Motion) -> Dynamics | str:
+    """The motion followed by the rolling model, or the end of a sentence that says why it cannot be."""
+    rate = min(motion.sample_rate, SAMPLES / motion.duration)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NearSingularWarning)
+        try:
+            run = run_rolling(design, replace(motion, sample_rate=rate))
+        except SpheredriveError as error:
+            return str(error)
+    # A run that does not begin says nothing of the design.
+    return Dynamics(run, overview(design, run)) if len(run.time) else run.reason
 
 
 def _run(design: Design, motion: Motion) -> KinematicRun | str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from spheredrive.checking import Check
 from spheredrive.design import Design
+from spheredrive.simulation.overview import Overview
 from spheredrive.summary import degrees, millimetres
 from spheredrive.wheels.base import Wheel
 
@@ -42,6 +43,15 @@ class Matrix(NamedTuple):
     meaning: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+class Table(NamedTuple):
+    """A table of numbers for the page: names of the columns, units below them, rows as text."""
+
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    omitted: int
 
 
 def shown_quantity(content: Any, unit: str) -> str:
@@ -246,3 +256,25 @@ def _rows(name: str, matrix: np.ndarray) -> tuple[tuple[str, tuple[str, ...]], .
 
 def _cells(row) -> tuple[str, ...]:
     return tuple(f"{round(float(x), 9) + 0.0:.6f}".replace("-", "−") for x in row)
+
+
+def sizing_table(moved: Overview) -> Table:
+    """The largest amounts that each wheel, its motor and its contact have to bear in a motion, and when."""
+    peaks = moved.loads.peaks if moved.loads else ()
+    columns = ["Wheel", "Torque", "at", "RMS torque", "Speed", "at", "Power", "at", "Friction"]
+    units = ["", "N m", "s", "N m", "rad/s", "s", "W", "s", "N"]
+    known = moved.least_normal is not None
+    used = moved.worst_utilisation is not None
+    columns += ["Least normal", "at"] * known + ["Used", "at"] * used
+    units += ["N", "s"] * known + ["of limit", "s"] * used
+    rows = []
+    for p in peaks[:WHEELS_SHOWN]:
+        numbers = [p.torque, p.torque_time, p.rms_torque, p.speed, p.speed_time, p.power, p.power_time, p.largest_friction]
+        numbers += [p.least_normal, p.least_normal_time] if known else []
+        numbers += [p.utilisation, p.utilisation_time] if used else []
+        rows.append((str(p.wheel), *map(_brief, numbers)))
+    return Table(tuple(columns), tuple(units), tuple(rows), max(0, len(peaks) - WHEELS_SHOWN))
+
+
+def _brief(x: float) -> str:
+    return "not pressed" if math.isinf(x) else f"{x:.4g}".replace("-", "−")
