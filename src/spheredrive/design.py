@@ -116,16 +116,15 @@ class Placement:
     def __post_init__(self) -> None:
         R_hat = _direction(self.contact_direction, "contact")
         v_hat = _direction(self.drive_direction, "drive")
-        along = float(R_hat @ v_hat)
+        along = sum(a * b for a, b in zip(R_hat, v_hat, strict=True))
         if abs(along) > 1e-6:
             angle = math.degrees(math.acos(min(1.0, max(-1.0, along))))
             raise DesignError(f"must be perpendicular to contact, but stands {angle:.6g} deg off it", ("drive",))
         # Only rounding is left to remove: the caller's perpendicular is kept to the last digit where it is exact.
         if along != 0.0:
-            v_hat = v_hat - along * R_hat
-            v_hat = v_hat / np.linalg.norm(v_hat)
-        object.__setattr__(self, "contact_direction", tuple(map(float, R_hat)))
-        object.__setattr__(self, "drive_direction", tuple(map(float, v_hat)))
+            v_hat = _unit([b - along * a for a, b in zip(R_hat, v_hat, strict=True)])
+        object.__setattr__(self, "contact_direction", R_hat)
+        object.__setattr__(self, "drive_direction", v_hat)
 
     @classmethod
     def at(cls, wheel: Wheel, azimuth: float, elevation: float, heading: float = 0.0, ring: int = 1) -> Placement:
@@ -140,15 +139,19 @@ class Placement:
         return tuple(float(a) for a in angles(self.contact_direction, self.drive_direction))  # type: ignore[return-value]
 
 
-def _direction(entries, name: str) -> np.ndarray:
+def _direction(entries, name: str) -> Vector:
     numbers = [checked_number(e, "", "any", (name, i)) for i, e in enumerate(entries)]
     if len(numbers) != 3:
         raise DesignError("takes three components, x, y and z", (name,))
-    vector = np.array(numbers)
-    length = float(np.linalg.norm(vector))
-    if length < 1e-9:
+    if math.hypot(*numbers) < 1e-9:
         raise DesignError("points nowhere: all its components are zero", (name,))
-    return vector / length
+    return _unit(numbers)
+
+
+def _unit(numbers: list[float]) -> Vector:
+    # In plain numbers: the sums of a linear algebra library differ from processor to processor in their last digit.
+    length = math.hypot(*numbers)
+    return tuple(number / length for number in numbers)  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
@@ -186,7 +189,7 @@ class Spring:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        object.__setattr__(self, "direction", tuple(map(float, _direction(self.direction, "direction"))))
+        object.__setattr__(self, "direction", _direction(self.direction, "direction"))
 
 
 @dataclass(frozen=True)
