@@ -27,20 +27,10 @@ from numba import get_num_threads, njit, prange
 
 import spheredrive as sd
 from spheredrive.kinematics.kernels import apply_matrix
+from timing import best
 
 SAMPLES = 10_000_000
 DESIGNS = 1_000_000
-
-
-def best(function, repeat: int) -> float:
-    """Least seconds of several calls, after one that is not counted."""
-    function()
-    times = []
-    for _ in range(repeat):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
 
 
 @njit(parallel=True)

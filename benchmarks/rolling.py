@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 import os
 import platform
-import time
 from dataclasses import replace
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -26,19 +25,10 @@ from spheredrive.design import Stage
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.rolling_run import Tolerance, run_rolling, run_rolling_batch
 from spheredrive.wheels import IdealWheel
+from timing import best
 
 ERROR = 1e-8
 TOLERANCES = [10.0**-k for k in range(4, 14)]
-
-
-def best(function, repeat: int = 5) -> float:
-    function()
-    times = []
-    for _ in range(repeat):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
 
 
 def machine():

@@ -30,8 +30,8 @@ NORMAL, GRIP, LEVER = 3, 6, 9
 WHEEL_INERTIA, HALF_PITCH, PHASE, ROLLING_ARM, SPIN_ARM = 3, 4, 5, 6, 7
 OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = 6, 9, 10, 11, 14, 17, 18
 
-# The room that the functions below work in: the matrix G of ``enter_state`` and whether it is known.
-ROOM = 7
+# What ``enter_state`` leaves in its room: G, whether it is known, and the wheels' share of the inertia.
+KNOWN, SHARE, ROOM = 6, 7, 13
 
 
 @njit(cache=True, error_model="numpy")
@@ -134,33 +134,34 @@ def blend_rows(contacts, state, Omega):
 
 
 @njit(cache=True, error_model="numpy")
-def effective_inertia(body, contacts, wheels, state, stage_kind, I, rho):
-    """I_s + J⁻ᵀ I_w J⁻¹, less what a freely moving stage takes off an offset mass: (M_s²/M)(ρ² E − ρ ρᵀ)."""
-    M = I
+def enter_state(contacts, wheels, state, room):
+    """Work out what depends on the contact state alone; to be called whenever ``state`` changes.
+
+    It is G of N = R̂ᵀ G b, the inverse of Σ R̂ R̂ᵀ: N balances the force b, with least ΣN²/K where n > 3 (equal K). Contacts
+    that lie in a plane leave it undetermined, which ``room[KNOWN]`` tells. And it is J⁻ᵀ I_w J⁻¹, the inertia of the wheels as
+    the sphere feels it; a wheel that rests between its races has none.
+    """
+    S = W = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for w in range(state.size):
+        S = _add_dyad(S, 1.0, _normal(contacts, w, state[w]))
         if state[w] != RESTING:
-            M = _add_dyad(M, wheels[w, WHEEL_INERTIA], _row(contacts, w, state[w]))
+            W = _add_dyad(W, wheels[w, WHEEL_INERTIA], _row(contacts, w, state[w]))
+    G, known = inverse(S)
+    for i in range(6):
+        room[i], room[SHARE + i] = G[i], W[i]
+    room[KNOWN] = 1.0 if known else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def effective_inertia(body, stage_kind, I, rho, room):
+    """I_s + J⁻ᵀ I_w J⁻¹, less what a freely moving stage takes off an offset mass: (M_s²/M)(ρ² E − ρ ρᵀ)."""
+    s = SHARE
+    M = (I[0] + room[s], I[1] + room[s + 1], I[2] + room[s + 2], I[3] + room[s + 3], I[4] + room[s + 4], I[5] + room[s + 5])
     if stage_kind == FORCE:
         share = body[SPHERE_MASS] * body[SPHERE_MASS] / body[MOVING_MASS]
         square = share * _dot(rho, rho)
         M = _add_dyad((M[0] - square, M[1], M[2], M[3] - square, M[4], M[5] - square), share, rho)
     return M
-
-
-@njit(cache=True, error_model="numpy")
-def enter_state(contacts, state, room):
-    """Work out what depends on the contact state alone; to be called whenever ``state`` changes.
-
-    It is G of N = R̂ᵀ G b, the inverse of Σ R̂ R̂ᵀ: N balances the force b, with least ΣN²/K where n > 3 (equal K). Contacts
-    that lie in a plane leave it undetermined, which ``room[6]`` tells.
-    """
-    S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for w in range(state.size):
-        S = _add_dyad(S, 1.0, _normal(contacts, w, state[w]))
-    G, known = inverse(S)
-    for i in range(6):
-        room[i] = G[i]
-    room[6] = 1.0 if known else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -188,7 +189,7 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
         y[OMEGA], y[OMEGA + 1], y[OMEGA + 2] = Omega
     Omega = _at(y, OMEGA)
     blend_rows(contacts, state, Omega)
-    M = effective_inertia(body, contacts, wheels, state, stage_kind, I, rho)
+    M = effective_inertia(body, stage_kind, I, rho, room)
     M_inverse, fine = inverse(M)
     if not fine:
         return False
@@ -228,28 +229,39 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
         if not (forces or resisting):
             _write(x, p_rate, out, n)
             return True
-        # Friction from each wheel's own equation, then the force that the normals have to carry.
+        # What the contacts have to carry besides friction: closure and weight less the sphere's own acceleration.
         force = _add(_add(gravity, -1.0, p_rate), -1.0, _add(swing, 1.0, centripetal))
         force = _add(_at(body, CLOSURE), body[SPHERE_MASS], force)
-        for w in range(n):
-            k = state[w]
-            gained = 0.0 if k == RESTING else wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, k), x)
-            drag = _wheel_drag(body, contacts, wheels, w, k, Omega, out[n + w]) if resisting else 0.0
-            friction = (out[w] + drag - gained) / contacts[w, k, LEVER]
-            out[2 * n + w] = friction
-            force = _add(force, friction, _grip(contacts, w, k))
-        change, largest = 0.0, 0.0
-        if room[6] == 1.0:
-            carried = _times((room[0], room[1], room[2], room[3], room[4], room[5]), force)
-            for w in range(n):
-                normal = _dot(_normal(contacts, w, state[w]), carried)
-                change = max(change, abs(normal - out[n + w]))
-                largest = max(largest, abs(normal))
-                out[n + w] = normal
+        change, largest = _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, resisting)
         if not resisting or change <= 1e-14 * largest:
             _write(x, p_rate, out, n)
             return True
     return False
+
+
+@njit(cache=True, error_model="numpy")
+def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, resisting):
+    """Friction from each wheel's own equation, then the normal forces that balance ``force`` and the friction, into ``out``.
+
+    Returns by how much a normal force changed at most, and the largest of them.
+    """
+    n = state.size
+    for w in range(n):
+        k = state[w]
+        gained = 0.0 if k == RESTING else wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, k), x)
+        drag = _wheel_drag(body, contacts, wheels, w, k, Omega, out[n + w]) if resisting else 0.0
+        friction = (out[w] + drag - gained) / contacts[w, k, LEVER]
+        out[2 * n + w] = friction
+        force = _add(force, friction, _grip(contacts, w, k))
+    change, largest = 0.0, 0.0
+    if room[KNOWN] == 1.0:
+        carried = _times((room[0], room[1], room[2], room[3], room[4], room[5]), force)
+        for w in range(n):
+            normal = _dot(_normal(contacts, w, state[w]), carried)
+            change = max(change, abs(normal - out[n + w]))
+            largest = max(largest, abs(normal))
+            out[n + w] = normal
+    return change, largest
 
 
 @njit(cache=True, error_model="numpy")
@@ -404,19 +416,19 @@ def energy(body, contacts, wheels, state, y):
 
 
 @njit(cache=True, error_model="numpy")
-def impact(body, contacts, wheels, stage_kind, before, after, y):
+def impact(body, contacts, wheels, stage_kind, before, after, y, room):
     """Change of race with free wheels, from contact state ``before`` to ``after``: sets Ω (and v of a free stage) in ``y``.
 
         (I_s + J₂⁻ᵀ I_w J₂⁻¹) Ω⁺ = I_s Ω⁻ + J₂⁻ᵀ I_w ω⁻,   ω⁻ = J₁⁻¹ Ω⁻
 
     A free stage takes part: M Δv = −M_s ΔΩ × ρ. A wheel that comes to rest between its races gives its spin to the sphere
-    through its mean row. False where the equations have no solution.
+    through its mean row. ``room`` is that of ``after``. False where the equations have no solution.
     """
     I, rho = turned(body, y)
     Omega = _at(y, OMEGA)
     blend_rows(contacts, before, Omega)
     blend_rows(contacts, after, Omega)
-    M = effective_inertia(body, contacts, wheels, after, stage_kind, I, rho)
+    M = effective_inertia(body, stage_kind, I, rho, room)
     # M (Ω⁺ − Ω⁻) = J₂⁻ᵀ I_w (ω⁻ − J₂⁻¹ Ω⁻): nothing happens to wheels whose row stays.
     b = (0.0, 0.0, 0.0)
     for w in range(after.size):

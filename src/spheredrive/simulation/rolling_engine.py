@@ -126,7 +126,7 @@ def advance(machine, task, progress, record, most_steps):
     clock, counters, pieces, y = progress.clock, progress.counters, task.pieces, progress.y
     atol = np.full(size, task.control[ABSOLUTE])
     _set_state(machine.wheels, progress.pitch, progress.resting, work.state)
-    enter_state(machine.contacts, work.state, work.room)
+    enter_state(machine.contacts, machine.wheels, work.state, work.room)
     work.k[0] = progress.rate
     # A wheel that starts on its boundary with no speed shows only by a step that it leaves, upward (+) or downward (−).
     forced = 0
@@ -417,9 +417,9 @@ def _enter_contacts(machine, task, progress, record, work, w):
     _set_state(machine.wheels, progress.pitch, progress.resting, state)
     kinetic, potential = energy(machine.body, machine.contacts, machine.wheels, before, y)
     old = (y[OMEGA], y[OMEGA + 1], y[OMEGA + 2])
-    enter_state(machine.contacts, state, work.room)
+    enter_state(machine.contacts, machine.wheels, state, work.room)
     if task.kinds[0] == TORQUE:
-        fine = impact(machine.body, machine.contacts, machine.wheels, task.kinds[1], before, state, y)
+        fine = impact(machine.body, machine.contacts, machine.wheels, task.kinds[1], before, state, y, work.room)
     else:
         fine = _solve_now(machine, task, progress, work, progress.clock[TIME], y)
     if fine:
