@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from spheredrive import kinematics
 from spheredrive.design import Design
 from spheredrive.kinematics.quality import NEAR_SINGULAR, describe_axes, svd3
-from spheredrive.kinematics.states import LISTED
+from spheredrive.kinematics.states import LISTED, SEARCHED
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Check:
     """Results of ``check``; matrices as in ``kinematics``, angles in rad. What a singular layout lacks is None or inf.
 
     ``constraint`` to ``weakest`` are of the nominal contacts. ``contact_states`` lists every combination of races, or the
-    worst alone where ``contact_state_count`` exceeds 256.
+    worst alone where ``contact_state_count`` exceeds 256 (the worst that a search found, beyond 65,536).
     """
 
     name: str
@@ -69,6 +70,7 @@ class Check:
             "weakest_direction": self.weakest,
             "nearest_singularity": None if near is None else {"parameter": near.parameter, "change_rad": near.change},
             "contact_state_count": self.contact_state_count,
+            "contact_states_all_searched": self.contact_state_count <= SEARCHED,
             "contact_states": [
                 {
                     "races": [list(active) for active in state.races],
@@ -86,7 +88,7 @@ class Check:
 
 
 def check(design: Design) -> Check:
-    """Work out the kinematics of ``design`` and say what follows from them. Raises nothing: trouble is a finding."""
+    """Work out the kinematics of ``design`` and say what follows from them: trouble is a finding, not an error."""
     A, _ = kinematics.constraint(design)
     sigma, directions = svd3(A)
     singular = sigma[2] == 0.0
@@ -112,8 +114,6 @@ def check(design: Design) -> Check:
 
 
 def _jacobian(design: Design) -> np.ndarray:
-    import warnings
-
     with warnings.catch_warnings():
         # Near singularity is told by a finding here, not by a warning.
         warnings.simplefilter("ignore")
@@ -165,7 +165,8 @@ def _state_findings(states, count, singular):
     worst = min(states, key=lambda state: (state.rotation_dof, state.isotropy))
     if worst.rotation_dof < 3:
         held = sum(state.rotation_dof < 3 for state in states)
-        where = f"In {held} of {count} contact states" if len(states) == count else f"In the worst of {count} contact states"
+        alone = f"In the worst {'of' if count <= SEARCHED else 'found of'} {count} contact states"
+        where = f"In {held} of {count} contact states" if len(states) == count else alone
         left = ("none", "those about one axis", "those about the axes of one plane")[worst.rotation_dof]
         yield Finding(
             "slip",

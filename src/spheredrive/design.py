@@ -119,7 +119,7 @@ class Placement:
         along = sum(a * b for a, b in zip(R_hat, v_hat, strict=True))
         if abs(along) > 1e-6:
             angle = math.degrees(math.acos(min(1.0, max(-1.0, along))))
-            raise DesignError(f"must be perpendicular to contact, but stands {angle:.6g} deg off it", ("drive",))
+            raise DesignError(f"must be perpendicular to contact, but the two stand {angle:.6g} deg apart", ("drive",))
         # Only rounding is left to remove: the caller's perpendicular is kept to the last digit where it is exact.
         if along != 0.0:
             v_hat = _unit([b - along * a for a, b in zip(R_hat, v_hat, strict=True)])
@@ -129,6 +129,11 @@ class Placement:
     @classmethod
     def at(cls, wheel: Wheel, azimuth: float, elevation: float, heading: float = 0.0, ring: int = 1) -> Placement:
         """The wheel at azimuth φ and elevation ε (rad) with heading χ (rad) from east towards north."""
+        if abs(elevation) > math.pi / 2 * (1 + 1e-12):
+            raise DesignError(
+                f"is {math.degrees(elevation):.6g} deg, but an elevation runs from -90 to 90 deg; bare numbers are radians",
+                ("elevation",),
+            )
         R_hat = outward(azimuth, elevation)
         v_hat = heading_direction(azimuth, elevation, heading)
         return cls(wheel, tuple(R_hat), tuple(v_hat), ring)
@@ -261,7 +266,11 @@ class Design:
         self._refuse_shared_places()
 
     def _refuse_shared_places(self) -> None:
-        for i, j in _close_pairs(self.contact_directions):
+        wheels = list(range(self.wheel_count))
+        split = [i for i in wheels if any(race.antipodal for race in self.races(self.wheels[i]))]
+        places = np.vstack([self.contact_directions, -self.contact_directions[split]])
+        for a, b in _close_pairs(places):
+            i, j = sorted(((wheels + split)[a], (wheels + split)[b]))
             raise DesignError(
                 f"wheels {i + 1} and {j + 1} touch the sphere at the same point; no two wheels fit there",
                 ("placement", self.placements[j].ring - 1),
@@ -302,6 +311,8 @@ class Design:
     def rotated(self, rotation) -> Design:
         """The same machine turned by a rotation matrix (3, 3), everything fixed to the stage with it."""
         turn = np.asarray(rotation, float)
+        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-9) or np.linalg.det(turn) < 0:
+            raise DesignError("a rotation takes an orthogonal 3x3 matrix of determinant 1")
         placements = tuple(
             replace(
                 p,

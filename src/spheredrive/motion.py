@@ -66,15 +66,20 @@ class Series:
 
     def integral(self, time) -> np.ndarray:
         """∫ values dt from 0 to ``time`` (...), shape (..., c): exact for straight lines and for steps."""
-        time = np.asarray(time, float)
-        knots = np.array([0.0, *(t for t in self.time if t > 0), np.inf])
-        total = np.zeros((*time.shape, self.columns))
-        for begin, end in itertools.pairwise(knots):
-            span = np.clip(time - begin, 0.0, end - begin)[..., None]
-            middle = self.at(begin + span[..., 0] / 2)
-            # A straight line's mean is its middle value; a step's is any value inside.
-            total = total + span * middle
-        return total
+        return self._antiderivative(np.asarray(time, float)) - self._antiderivative(np.zeros(()))
+
+    def _antiderivative(self, time: np.ndarray) -> np.ndarray:
+        """∫ values dt from the first time on; the first and last values hold outside."""
+        knots, values = self.arrays
+        span, rise = np.diff(knots)[:, None], np.diff(values, axis=0)
+        if self.interpolation == "step":
+            rise = np.zeros_like(rise)
+        before = np.concatenate([np.zeros((1, self.columns)), np.cumsum(span * (values[:-1] + rise / 2), axis=0)])
+        slope = np.concatenate([rise / span, np.zeros((1, self.columns))])
+        i = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(knots) - 1)
+        since = (time - knots[i])[..., None]
+        # Before the first time, where ``since`` is negative, the first value holds: there is no slope.
+        return before[i] + since * values[i] + np.where(since > 0, slope[i], 0.0) * since**2 / 2
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Text for the terminal: a design and its kinematic answer as tables a person can read. No numbers are worked out here."""
+"""Text for the terminal: a design and its kinematic answer as tables a person can read."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from spheredrive.checking import Check, check
 from spheredrive.design import Design
+from spheredrive.kinematics.states import SEARCHED
 
 if TYPE_CHECKING:
     from spheredrive.simulation.overview import Overview
@@ -42,7 +43,7 @@ def _design_lines(design: Design) -> list[str]:
         azimuth, elevation, heading = placement.azimuth_elevation_heading
         rollers = str(getattr(wheel, "rollers", None) or "-")
         angle = degrees(wheel.roller_angle)
-        place = (degrees(azimuth % (2 * math.pi)), degrees(elevation), degrees(heading))
+        place = (full_turn(azimuth), degrees(elevation), degrees(heading))
         rows.append((str(number), wheel.name, wheel.type, millimetres(wheel.radius), rollers, angle, *place))
     return lines + table(rows, left=(1, 2))
 
@@ -90,7 +91,8 @@ def _state_lines(result: Check) -> list[str]:
     worst_first = sorted(states, key=lambda s: (s.rotation_dof, round(s.isotropy, 12)))[:SHOWN_STATES]
     title = f"  {count} contact state{'' if count == 1 else 's'}"
     if len(worst_first) < count:
-        title += f", the worst {len(worst_first)}" if len(worst_first) > 1 else ", the worst"
+        alone = ", the worst" if count <= SEARCHED else ", the worst found"
+        title += f", the worst {len(worst_first)}" if len(worst_first) > 1 else alone
     rows = [("races", "contacts", "slip-free motions", "of these rotations", "isotropy")]
     for s in worst_first:
         races = " ".join("+".join(map(str, active)) for active in s.races)
@@ -116,6 +118,11 @@ def table(rows, indent: int = 2, left: tuple[int, ...] = ()) -> list[str]:
 def millimetres(length: float) -> str:
     """A length (m) in mm, as on a drawing."""
     return f"{length * 1e3:.6g} mm"
+
+
+def full_turn(angle: float) -> str:
+    """An angle (rad) in degrees from 0 to below 360."""
+    return f"{round(math.degrees(angle), 4) % 360 + 0.0:.6g}°"
 
 
 def degrees(angle: float) -> str:

@@ -10,7 +10,7 @@ import dataclasses
 import math
 from typing import Any
 
-from spheredrive.errors import DesignError
+from spheredrive.errors import DesignError, did_you_mean
 
 # No machine has a number beyond this in SI units; products of a few larger ones could overflow.
 LARGEST = 1e15
@@ -52,9 +52,11 @@ def check_fields(value: Any) -> None:
         elif "least" in meta:
             _check_whole(content, meta, field.name)
         elif meta.get("choices") and content not in meta["choices"]:
-            from spheredrive.errors import did_you_mean
-
-            raise DesignError(f"{content!r} is not known{did_you_mean(content, meta['choices'])}", (field.name,))
+            raise DesignError(f"{content!r} is not known{did_you_mean(str(content), meta['choices'])}", (field.name,))
+        elif "choices" in meta and not isinstance(content, str):
+            raise DesignError(f"takes text, not {content!r}", (field.name,))
+        elif "flag" in meta and not isinstance(content, bool):
+            raise DesignError(f"takes true or false, not {content!r}", (field.name,))
 
 
 def _checked_quantity(content: Any, meta: Any, key: tuple[str | int, ...]) -> Any:

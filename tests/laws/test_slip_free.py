@@ -5,8 +5,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from layouts import collinear_triple, random_design, random_races
+from layouts import atlas, collinear_triple, random_design, random_races
 from spheredrive import kinematics as K
+from spheredrive.checking import check
+from spheredrive.wheels import DualRaceWheel, TripleRaceWheel
 
 KINDS = ["triple-race", "dual-race", "split-dual-race", "ideal", None]
 
@@ -76,15 +78,34 @@ def test_triple_race_states_run_from_three_to_six_contacts():
     assert contacts == [3, 4, 4, 4, 5, 5, 5, 6]
 
 
-@pytest.mark.parametrize("kind", ["dual-race", "triple-race"])
-def test_worst_contact_state_is_the_worst_of_all(kind):
-    rng = np.random.default_rng(13)
-    for n in (3, 4, 5):
-        design = random_design(rng, n, kind)
-        states = list(K.contact_states(design))
-        assert len(states) == K.count_contact_states(design) == 2**n
-        least = min(state.rotation_dof for state in states)
-        worst = K.worst_contact_state(design)
-        assert worst.rotation_dof == least
-        if kind == "dual-race":
-            assert worst.isotropy == min(state.isotropy for state in states)
+def ranked(state):
+    return state.rotation_dof, round(state.isotropy, 9)
+
+
+@pytest.mark.parametrize(("kind", "n"), [("dual-race", 3), ("dual-race", 5), ("triple-race", 3), ("triple-race", 5), (None, 5)])
+def test_worst_contact_state_is_the_worst_of_all(kind, n):
+    rng = np.random.default_rng([13, n])
+    design = random_design(rng, n, kind)
+    states = list(K.contact_states(design))
+    assert len(states) == K.count_contact_states(design)
+    assert ranked(K.worst_contact_state(design)) == min(map(ranked, states))
+
+
+@pytest.mark.parametrize("elevation_deg", [9.29, -9.29, 40])
+@pytest.mark.parametrize("kind", [DualRaceWheel, TripleRaceWheel])
+def test_worst_of_many_states_is_the_worst_of_all(kind, elevation_deg):
+    """Nine wheels, 512 states: beyond what ``check`` lists, so the search has to find it."""
+    wheel = kind(radius=0.025, rollers=18, roller_radius=4.85e-3, race_spacing=0.02)
+    design = atlas(wheel, elevation_deg, count=9)
+    assert ranked(K.worst_contact_state(design)) == min(map(ranked, K.contact_states(design)))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_singular_state_among_sixteen_million_is_found(sign):
+    """24 dual-race wheels at an elevation of ± Δθ: where all show the race at the equator, every row is along z."""
+    wheel = DualRaceWheel(radius=0.025, rollers=16, roller_radius=4.85e-3, race_spacing=0.05)
+    elevation = sign * np.degrees(wheel.races(0.15)[1].deflection(0.15))
+    design = atlas(wheel, elevation, count=24)
+    assert K.count_contact_states(design) == 2**24
+    assert K.worst_contact_state(design).isotropy < 1e-12
+    assert "singular-state" in {finding.code for finding in check(design).findings}

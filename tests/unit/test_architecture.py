@@ -12,7 +12,7 @@ SOURCE = Path(__file__).parents[2] / "src" / "spheredrive"
 # From the bottom up, as in docs/architecture.md: a module imports its own layer and those before it.
 LAYERS = [
     ("errors",),
-    ("values", "frames"),
+    ("values", "frames", "compiled"),
     ("wheels",),
     ("design", "motion"),
     ("kinematics",),

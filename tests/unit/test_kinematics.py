@@ -10,7 +10,7 @@ from layouts import R, atlas, collinear_triple, orthogonal, six_orthogonal
 from spheredrive import kinematics as K
 from spheredrive.design import Design, Placement, Sphere
 from spheredrive.errors import NearSingularWarning, SingularError, SpheredriveError
-from spheredrive.wheels import IdealWheel
+from spheredrive.wheels import IdealWheel, TripleRaceWheel
 
 IDEAL = IdealWheel(radius=0.025)
 
@@ -94,8 +94,45 @@ def test_slaves_cannot_follow_where_a_wheel_has_several_contacts():
 
 
 def test_transmission_needs_a_turning_wheel():
-    with pytest.raises(ValueError, match="turns"):
+    with pytest.raises(SpheredriveError, match="turns"):
         K.transmission(atlas(), [0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda d: K.transmission(d, [1, 1, math.nan]),
+        lambda d: K.transmission(d, [1, 1]),
+        lambda d: K.race_error([math.nan, 0, 0], [1, 0, 0]),
+        lambda d: K.effectiveness_about(d, [0, 0, 0]),
+        lambda d: K.effectiveness_about(d, [0, math.nan, 0]),
+        lambda d: K.state_index(d, [1e20, 0, 0]),
+        lambda d: K.state_index(d, [math.nan, 0, 0]),
+        lambda d: K.constraint(d, (1.5, 1, 1)),
+        lambda d: K.constraint(d, (True, 1, 1)),
+        lambda d: K.constraint(d, ("a", 1, 1)),
+        lambda d: K.constraint(d, (None, 1, 1)),
+        lambda d: K.master_slave(d, [1, 2, 3], (1.5, 2, 3)),
+        lambda d: K.integrate_orientation([], np.zeros((0, 3))),
+        lambda d: d.rotated(2 * np.eye(3)),
+        lambda d: d.rotated(-np.eye(3)),
+    ],
+)
+def test_senseless_arguments_are_refused_with_a_sentence(ask):
+    with pytest.raises(SpheredriveError):
+        ask(atlas())
+
+
+def test_transmission_goes_by_the_radius_at_the_contact():
+    """ξ = R|Ω| / |(rᵢ ωᵢ)| over slip-free motion is |Ω| / |A Ω|, whatever races touch."""
+    wheel = TripleRaceWheel(radius=0.025, rollers=24, roller_radius=4e-3, race_spacing=30e-3)
+    design, races = atlas(wheel), (1, 3, 1)
+    Omega = np.array([0.3, -0.4, 0.5])
+    found = K.transmission(design, K.inverse(design, Omega, races), races).effectiveness
+    A, _ = K.constraint(design, races)
+    assert found == pytest.approx(np.linalg.norm(Omega) / np.linalg.norm(A @ Omega), rel=1e-12)
+    with pytest.raises(SpheredriveError, match="one contact a wheel"):
+        K.transmission(design, [1, 1, 1], ((1, 3), 2, 2))
 
 
 def test_accelerations_follow_the_same_maps(rng):

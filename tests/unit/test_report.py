@@ -186,7 +186,7 @@ def test_effectiveness_caption_has_the_range():
     design = ring(dual_race())
     low, high = kinematics.effectiveness(design)
     caption = effectiveness_caption(design)
-    assert f"{low:.4f} (axis z" in caption and f"to {high:.4f} (every axis perpendicular to z" in caption
+    assert f"{low:.4f} (axis z" in caption and f"to {high:.4f} (any axis perpendicular to z" in caption
 
 
 def test_effectiveness_isotropic_design_is_one_colour():

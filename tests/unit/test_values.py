@@ -92,6 +92,20 @@ def test_two_wheels_at_one_place_are_refused():
         Design("twice", Sphere(R), [Placement(wheel, x, y), Placement(wheel, y, z), Placement(wheel, x, z)])
 
 
+def test_wheel_on_the_second_wheel_of_a_split_pair_is_refused():
+    split, single = SplitDualRaceWheel(radius=0.02, rollers=8), IdealWheel(radius=0.02)
+    x, y, z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+    with pytest.raises(DesignError, match="wheels 1 and 2"):
+        Design("antipode", Sphere(R), [Placement(split, x, y), Placement(single, (-1, 0, 0), z)])
+    with pytest.raises(DesignError, match="same point"):
+        atlas(split, 0, count=4)
+
+
+def test_elevation_beyond_the_pole_is_refused_as_radians():
+    with pytest.raises(DesignError, match="bare numbers are radians"):
+        Placement.at(IdealWheel(radius=0.02), 0.0, -40.0)
+
+
 def test_races_too_far_apart_for_the_sphere_are_refused():
     with pytest.raises(DesignError, match="closer together"):
         atlas(DualRaceWheel(**{**DUAL, "race_spacing": 0.4}))

@@ -68,6 +68,12 @@ def test_touching_a_half_pitch_and_turning_back_changes_nothing():
     assert (state != 0).sum() <= 1
 
 
+def test_a_motion_of_endless_changes_is_refused_before_it_is_followed():
+    motion = Motion("wheel-speed", Series((0,), ((300, 300, 300),)), 86_400.0, sample_rate=0.01)
+    with pytest.raises(SpheredriveError, match="shorter motion"):
+        K.along(atlas(), motion)
+
+
 def test_a_step_of_speed_is_sampled_before_and_after():
     motion = Motion("wheel-speed", Series((0, 0.5), ((1, 1, 1), (3, 3, 3)), "step"), 1.0, sample_rate=10)
     run = K.along(orthogonal(), motion)

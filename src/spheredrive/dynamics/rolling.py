@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from spheredrive.compiled import njit
 
 # What the wheels are given.
 TORQUE, WHEEL_SPEED, SPHERE_VELOCITY = 0, 1, 2
@@ -34,23 +34,23 @@ OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = 6, 9, 1
 KNOWN, SHARE, ROOM = 6, 7, 13
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _add(a, s, b):
     """a + s b."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _times(M, a):
     """M a of a symmetric matrix."""
     return (
@@ -60,7 +60,7 @@ def _times(M, a):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _add_dyad(M, s, a):
     """M + s a aᵀ."""
     return (
@@ -69,27 +69,27 @@ def _add_dyad(M, s, a):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _row(contacts, w, k):
     return contacts[w, k, 0], contacts[w, k, 1], contacts[w, k, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _normal(contacts, w, k):
     return contacts[w, k, NORMAL], contacts[w, k, NORMAL + 1], contacts[w, k, NORMAL + 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _grip(contacts, w, k):
     return contacts[w, k, GRIP], contacts[w, k, GRIP + 1], contacts[w, k, GRIP + 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _at(y, i):
     return y[i], y[i + 1], y[i + 2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def inverse(M):
     """Inverse of a symmetric matrix, and whether it has one."""
     c00, c01, c02 = M[3] * M[5] - M[4] * M[4], M[2] * M[4] - M[1] * M[5], M[1] * M[4] - M[2] * M[3]
@@ -101,7 +101,7 @@ def inverse(M):
     return (f * c00, f * c01, f * c02, f * c11, f * c12, f * c22), fine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def turned(body, y):
     """Inertia tensor and centre of mass in the inertial frame: A I_b Aᵀ and A ρ_b, A the rotation of y's quaternion."""
     w, a, b, c = y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
@@ -117,7 +117,7 @@ def turned(body, y):
     return inertia, (_dot(row0, r), _dot(row1, r), _dot(row2, r))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def blend_rows(contacts, state, Omega):
     """Rows of wheels that rest between their races: λ h₀ + (1 − λ) h₁ with no speed, so that they neither turn nor work.
 
@@ -133,7 +133,7 @@ def blend_rows(contacts, state, Omega):
                 contacts[w, RESTING, i] = share * contacts[w, 0, i] + (1.0 - share) * contacts[w, 1, i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def enter_state(contacts, wheels, state, room):
     """Work out what depends on the contact state alone; to be called whenever ``state`` changes.
 
@@ -152,7 +152,7 @@ def enter_state(contacts, wheels, state, room):
     room[KNOWN] = 1.0 if known else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def effective_inertia(body, stage_kind, I, rho, room):
     """I_s + J⁻ᵀ I_w J⁻¹, less what a freely moving stage takes off an offset mass: (M_s²/M)(ρ² E − ρ ρᵀ)."""
     s = SHARE
@@ -164,7 +164,7 @@ def effective_inertia(body, stage_kind, I, rho, room):
     return M
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, forces=True):
     """Everything at an instant: sphere and stage accelerations, motor torques, normal forces, friction.
 
@@ -239,7 +239,7 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, resisting):
     """Friction from each wheel's own equation, then the normal forces that balance ``force`` and the friction, into ``out``.
 
@@ -264,14 +264,14 @@ def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, r
     return change, largest
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _write(x, p_rate, out, n):
     for i in range(3):
         out[3 * n + i] = x[i]
         out[3 * n + 3 + i] = p_rate[i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _resists(body, wheels):
     found = False
     for w in range(wheels.shape[0]):
@@ -279,7 +279,7 @@ def _resists(body, wheels):
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def sphere_from_wheels(contacts, state, wheel_speed):
     """Ω of least slip for wheel speeds, and whether there is one; the rows r sin α · R/r a weigh wheels by physical slip."""
     S, b = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -292,7 +292,7 @@ def sphere_from_wheels(contacts, state, wheel_speed):
     return _times(S_inverse, b), fine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _needed_torque(contacts, state, need, out):
     """Motor torques of least square sum whose moment Σ hᵢ Tᵢ on the sphere is ``need``, into ``out``.
 
@@ -308,7 +308,7 @@ def _needed_torque(contacts, state, need, out):
     return fine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _resistance(body, contacts, wheels, w, k, Omega):
     """Moment of resistance on the sphere for a normal force of one newton, with its sign turned, and Ω − ω ŵ.
 
@@ -326,7 +326,7 @@ def _resistance(body, contacts, wheels, w, k, Omega):
     return _add((roll * rolling[0], roll * rolling[1], roll * rolling[2]), twist, R_hat), relative
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _resisting_moment(body, contacts, wheels, w, k, Omega, normal):
     """−N m on the sphere and, reflected through the wheel, + h N m·ŵ."""
     m, _ = _resistance(body, contacts, wheels, w, k, Omega)
@@ -336,14 +336,14 @@ def _resisting_moment(body, contacts, wheels, w, k, Omega, normal):
     return drag * h[0] - pressed * m[0], drag * h[1] - pressed * m[1], drag * h[2] - pressed * m[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _wheel_drag(body, contacts, wheels, w, k, Omega, normal):
     """Moment N m·ŵ that the contact puts on the wheel about its axis."""
     m, _ = _resistance(body, contacts, wheels, w, k, Omega)
     return max(normal, 0.0) * (m[0] * wheels[w, 0] + m[1] * wheels[w, 1] + m[2] * wheels[w, 2])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def heat_rate(body, contacts, wheels, state, y, out):
     """Power that the resistances take: Σ N m · (Ω − ω ŵ), never negative."""
     total, n = 0.0, state.size
@@ -354,7 +354,7 @@ def heat_rate(body, contacts, wheels, state, y, out):
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, dy, out, room):
     """Time derivative of the state vector ``y`` into ``dy``; False where the equations have no solution."""
     n = state.size
@@ -383,7 +383,7 @@ def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _stage_force(body, stage_kind, x, a, stage, y):
     """P on the stage: as given, or what its prescribed motion takes; nothing where it stands still."""
     if stage_kind == FORCE:
@@ -396,7 +396,7 @@ def _stage_force(body, stage_kind, x, a, stage, y):
     return _add((body[MOVING_MASS] * a[0], body[MOVING_MASS] * a[1], body[MOVING_MASS] * a[2]), body[SPHERE_MASS], offset)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def energy(body, contacts, wheels, state, y):
     """Kinetic energy of sphere, wheels and stage, and the potential −M_s g·ρ of the offset mass, J.
 
@@ -415,7 +415,7 @@ def energy(body, contacts, wheels, state, y):
     return kinetic, -body[SPHERE_MASS] * _dot(_at(body, WEIGHT), rho)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def impact(body, contacts, wheels, stage_kind, before, after, y, room):
     """Change of race with free wheels, from contact state ``before`` to ``after``: sets Ω (and v of a free stage) in ``y``.
 

@@ -133,11 +133,12 @@ def _chosen_races(design: Design, races: Races) -> list[tuple[int, ...] | None]:
         raise SpheredriveError(f"races has {len(entries)} entries, but the design has {design.wheel_count} wheels")
     chosen: list[tuple[int, ...] | None] = []
     for i, entry in enumerate(entries):
-        active = tuple(int(number) for number in np.atleast_1d(np.asarray(entry)))
         known = [race.number for race in design.races(design.wheels[i])]
-        for number in active:
-            if number not in known:
-                raise SpheredriveError(f"wheel {i + 1} has no race {number}; its races are {known}")
+        numbers = entry if isinstance(entry, (tuple, list, np.ndarray)) else (entry,)
+        for number in numbers:
+            if isinstance(number, (bool, np.bool_)) or number not in known:
+                raise SpheredriveError(f"wheel {i + 1} has no race {number!r}; its races are {known}")
+        active = tuple(int(number) for number in numbers)
         if not active or len(set(active)) != len(active):
             raise SpheredriveError(f"wheel {i + 1} needs at least one active race, each named once, not {entry}")
         chosen.append(active)

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import float32, float64, njit, prange
+from numba import float32, float64, prange
 
+from spheredrive.compiled import njit
 from spheredrive.kinematics.quality import SINGULAR
 
 # Samples a thread takes at a time; below one such piece no threads are started.
@@ -44,7 +45,7 @@ def apply_matrix(matrix, vectors: np.ndarray, out: np.ndarray | None = None) -> 
     return out
 
 
-@njit(cache=True)
+@njit()
 def _apply_3x3(M, x, y):
     m00, m01, m02 = M[0, 0], M[0, 1], M[0, 2]
     m10, m11, m12 = M[1, 0], M[1, 1], M[1, 2]
@@ -56,7 +57,7 @@ def _apply_3x3(M, x, y):
         y[i, 2] = m20 * a + m21 * b + m22 * c
 
 
-@njit(cache=True)
+@njit()
 def _apply(M, x, y):
     for i in range(x.shape[0]):
         for j in range(M.shape[0]):
@@ -66,7 +67,7 @@ def _apply(M, x, y):
             y[i, j] = total
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _apply_3x3_threads(M, x, y):
     pieces = (x.shape[0] + PIECE - 1) // PIECE
     for piece in prange(pieces):
@@ -74,7 +75,7 @@ def _apply_3x3_threads(M, x, y):
         _apply_3x3(M, x[first:last], y[first:last])
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _apply_threads(M, x, y):
     pieces = (x.shape[0] + PIECE - 1) // PIECE
     for piece in prange(pieces):
@@ -96,7 +97,7 @@ def condition_number_3x3(A) -> np.ndarray:
     return out.reshape(A.shape[:-2])
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@njit(parallel=True, error_model="numpy")
 def _condition_number_threads(A, out):
     pieces = (A.shape[0] + PIECE - 1) // PIECE
     for piece in prange(pieces):
@@ -104,7 +105,7 @@ def _condition_number_threads(A, out):
         _condition_number(A[first:last], out[first:last])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _condition_number(A, out):
     x, sigma = _workspace()
     for first in range(0, A.shape[0], LANES):
@@ -275,7 +276,7 @@ def _order(sigma):
         s2[lane] = (c if c >= SINGULAR * a else 0.0) + spoilt
 
 
-@njit(cache=True)
+@njit()
 def compose_rotations(steps, orientation):
     """orientation[i + 1] = steps[i] ∘ orientation[i], kept at unit length."""
     for i in range(steps.shape[0]):

@@ -113,14 +113,17 @@ class Transmission(NamedTuple):
 def transmission(design: Design, wheel_speed, races: Races = None) -> Transmission:
     """Transmission ratio and effectiveness of wheel speeds (..., n), rad/s [4.7, 4.8]; NaN-free: wheels at rest are refused.
 
-    Raises ``ValueError`` where all wheels stand still and what ``jacobian`` raises.
+    Raises ``SpheredriveError`` where all wheels stand still or a wheel has several contacts, and what ``jacobian`` raises.
     """
-    wheel_speed = np.asarray(wheel_speed, float)
+    wheel_speed = _vectors(wheel_speed, design.wheel_count, "wheel_speed")
     speed = np.linalg.norm(wheel_speed, axis=-1)
     if not (speed > 0).all():
-        raise ValueError("a transmission ratio needs at least one wheel that turns")
+        raise SpheredriveError("a transmission ratio needs at least one wheel that turns, at finite speeds")
+    c = contacts(design, races)
+    if len(c.wheel) != design.wheel_count:
+        raise SpheredriveError("a transmission ratio needs one contact a wheel; name the active races")
     turning = np.linalg.norm(forward(design, wheel_speed, races), axis=-1)
-    rim = np.linalg.norm(wheel_speed * design.wheel_radii, axis=-1)
+    rim = np.linalg.norm(wheel_speed * c.wheel_radius, axis=-1)
     return Transmission(turning / speed, design.sphere.radius * turning / rim)
 
 
@@ -138,7 +141,7 @@ def master_slave(design: Design, master_speed, masters=(1, 2, 3), races: Races =
     rows are dependent and ``SpheredriveError`` where a wheel has several contacts at once, which no slave speed frees from
     slip. Source: model.md section 2.
     """
-    chosen = [int(number) - 1 for number in masters]
+    chosen = [int(number) - 1 if number == int(number) else -1 for number in masters]
     if len(set(chosen)) != 3 or not all(0 <= i < design.wheel_count for i in chosen):
         raise SpheredriveError(f"masters must be three different wheels from 1 to {design.wheel_count}, not {tuple(masters)}")
     A, B = constraint(design, races)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,9 @@ from spheredrive.motion import Motion, Series
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
+
+# Changes of race that one run follows; each stands twice in its samples.
+MOST_CHANGES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ def along(design: Design, motion: Motion) -> KinematicRun:
     motion.check_wheel_count(design.wheel_count)
     speeds = _wheel_speeds(design, motion)
     start = np.zeros(design.wheel_count) if motion.wheel_angle is None else np.array(motion.wheel_angle)
+    _refuse_endless_changes(design, speeds, motion.duration)
     turns = [_half_pitch_times(w, speeds, i, start[i], motion.duration) for i, w in enumerate(design.wheels)]
     knots = np.array([t for t in speeds.time if 0 < t < motion.duration])
     count = int(np.floor(motion.duration * motion.sample_rate + 1e-9)) + 1
@@ -92,18 +95,32 @@ def _wheel_speeds(design: Design, motion: Motion) -> Series:
     )
 
 
+def _refuse_endless_changes(design: Design, speeds: Series, duration: float) -> None:
+    """Count the changes of race by the way each wheel turns, before any room is made for them."""
+    knots = np.unique([0.0, *(t for t in speeds.time if 0 < t < duration), duration])
+    # Straight pieces that change sign turn less than this; it is a bound, not the count.
+    rate = np.maximum(np.abs(speeds.at(knots[:-1])), np.abs(speeds.at(knots[1:], side="left")))
+    way = np.sum(rate * np.diff(knots)[:, None], axis=0)
+    changes = float(sum(w / wheel.half_pitch for w, wheel in zip(way, design.wheels, strict=True)))
+    if changes > MOST_CHANGES:
+        raise SpheredriveError(
+            f"the wheels change races up to {changes:.3g} times in {duration:g} s; at most {MOST_CHANGES:,} are followed, so "
+            "take a shorter motion"
+        )
+
+
 def _half_pitch_times(wheel, speeds: Series, column: int, start: float, duration: float) -> np.ndarray:
     """Times in (0, duration) at which the wheel has turned through a whole half pitch: roots of a quadratic a piece."""
     pitch = wheel.half_pitch
     if not np.isfinite(pitch):
         return np.zeros(0)
     knots = np.unique([0.0, *(t for t in speeds.time if 0 < t < duration), duration])
-    found = []
-    for begin, end in itertools.pairwise(knots):
-        first = float(speeds.at(begin)[column])
-        last = float(speeds.at(end, side="left")[column])
-        angle = start + wheel.phase_angle + float(speeds.integral(begin)[column])
-        found.append(begin + _crossings(angle, first, last, end - begin, pitch))
+    first, last = speeds.at(knots[:-1])[:, column], speeds.at(knots[1:], side="left")[:, column]
+    angle = start + wheel.phase_angle + speeds.integral(knots)[:, column]
+    # A piece without a turning point that stays strictly between two multiples of the half pitch has nothing to find.
+    low, high = np.minimum(angle[:-1], angle[1:]) / pitch - 1e-9, np.maximum(angle[:-1], angle[1:]) / pitch + 1e-9
+    busy = np.flatnonzero((np.floor(low) != np.floor(high)) | (first * last < 0))
+    found = [knots[i] + _crossings(angle[i], first[i], last[i], knots[i + 1] - knots[i], pitch) for i in busy]
     times = np.concatenate(found) if found else np.zeros(0)
     return times[(times > 0) & (times < duration)]
 

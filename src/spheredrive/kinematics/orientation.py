@@ -22,7 +22,7 @@ def integrate_orientation(time, angular_velocity, initial=(1.0, 0.0, 0.0, 0.0)) 
     time = np.asarray(time, float)
     Omega = np.asarray(angular_velocity, float)
     start = np.asarray(initial, float)
-    if time.ndim != 1 or Omega.shape != (len(time), 3) or start.shape != (4,):
+    if time.ndim != 1 or not len(time) or Omega.shape != (len(time), 3) or start.shape != (4,):
         raise SpheredriveError(f"shapes do not fit: time {time.shape}, angular_velocity {Omega.shape}, initial {start.shape}")
     if not (np.isfinite(time).all() and np.isfinite(Omega).all() and np.isfinite(start).all()):
         raise SpheredriveError("time, angular velocity and initial orientation must be finite")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics.contacts import Races, constraint, constraint_row
 
 if TYPE_CHECKING:
@@ -108,6 +109,8 @@ def effectiveness_about(design: Design, direction, races: Races = None) -> np.nd
     direction = np.asarray(direction, float)
     needed = np.linalg.norm(direction @ A.T, axis=-1)
     turning = np.linalg.norm(direction, axis=-1)
+    if not (np.isfinite(turning) & (turning > 0)).all():
+        raise SpheredriveError("a direction takes three finite numbers, not all zero")
     with np.errstate(divide="ignore"):
         return np.where(needed > SINGULAR * turning, turning / needed, np.inf)
 
@@ -152,9 +155,9 @@ def describe_axes(sigma: np.ndarray, directions: np.ndarray) -> tuple[str, str]:
         return "all axes alike", "all axes alike"
     slowest, weakest = describe_direction(directions[0]), describe_direction(directions[2])
     if sigma[0] - sigma[1] <= alike:
-        slowest = f"every axis perpendicular to {weakest}"
+        slowest = f"any axis perpendicular to {weakest}"
     elif sigma[1] - sigma[2] <= alike:
-        weakest = f"every axis perpendicular to {slowest}"
+        weakest = f"any axis perpendicular to {slowest}"
     return slowest, weakest
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics.maps import jacobian
+from spheredrive.values import LARGEST
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
@@ -20,8 +21,8 @@ def state_index(design: Design, wheel_angle) -> np.ndarray:
         raise SpheredriveError(
             f"wheel_angle has shape {wheel_angle.shape}; its last axis must hold {design.wheel_count} numbers"
         )
-    if not np.isfinite(wheel_angle).all():
-        raise SpheredriveError("wheel_angle must be finite")
+    if not (np.abs(wheel_angle) < LARGEST).all():
+        raise SpheredriveError(f"wheel_angle must be finite and below {LARGEST:g} rad")
     columns = [wheel.state_index(wheel_angle[..., i]) for i, wheel in enumerate(design.wheels)]
     return np.stack(columns, axis=-1)
 
@@ -58,6 +59,8 @@ def race_error(angular_velocity, nominal) -> RaceError:
     Both are zero where the sphere stands still. Source: model.md section 2 and E4.
     """
     true, ideal = np.asarray(angular_velocity, float), np.asarray(nominal, float)
+    if not (np.isfinite(true).all() and np.isfinite(ideal).all()):
+        raise SpheredriveError("angular velocities must be finite")
     # The cosine alone would lose half the digits of small angles.
     angle = np.arctan2(np.linalg.norm(np.cross(true, ideal), axis=-1), np.sum(true * ideal, axis=-1))
     speed = np.linalg.norm(true, axis=-1)

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spheredrive.kinematics.contacts import Races, constraint
-from spheredrive.kinematics.quality import SINGULAR, isotropy, singular_values
+from spheredrive.kinematics.quality import SINGULAR, isotropy
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
 
-# More states than this are neither listed nor searched one by one.
+# More states than these are not listed, and not looked at one by one.
 LISTED = 256
 SEARCHED = 65_536
+CHUNK = 8192
 
 
 class SlipFree(NamedTuple):
@@ -93,29 +94,75 @@ def contact_states(design: Design) -> Iterator[ContactState]:
 def worst_contact_state(design: Design) -> ContactState:
     """The state with fewest slip-free rotations and, among equals, the least isotropy.
 
-    More contacts at once only take motion away, so no state has fewer slip-free rotations than one in which every wheel
-    shows the most contacts it can. The search for the least isotropy goes through those states alone, and through the
-    first 65,536 of them where there are more.
+    Every state is looked at while there are no more than 65,536 of them. Beyond, the worst one *found* is returned: wheels
+    change their races one by one as long as that makes it worse, from several starts.
     """
-    most = [max(map(len, wheel.alternation)) for wheel in design.wheels]
-    fullest = itertools.product(
-        *([a for a in wheel.alternation if len(a) == m] for wheel, m in zip(design.wheels, most, strict=True))
-    )
-    candidates = list(itertools.islice(fullest, SEARCHED))
-    return contact_state(design, candidates[int(np.argmin(_isotropies(design, candidates)))])
+    tables = _gram_tables(design)
+    sizes = [len(wheel.alternation) for wheel in design.wheels]
+    count = math.prod(sizes)
+    choice = _worst_of_all(tables, sizes, count) if count <= SEARCHED else _worst_found(tables, sizes)
+    return contact_state(design, [w.alternation[k] for w, k in zip(design.wheels, choice, strict=True)])
 
 
-def _isotropies(design: Design, candidates) -> np.ndarray:
-    # Each wheel's rows for each choice of its races, found once; a state's matrix is then put together from them.
-    first = candidates[0]
-    rows = []
-    for i, wheel in enumerate(design.wheels):
-        by_choice = {}
-        for active in wheel.alternation:
-            state = (*first[:i], active, *first[i + 1 :])
-            A, B = constraint(design, state)
-            by_choice[active] = A[B[:, i] != 0]
-        rows.append(by_choice)
-    stacked = np.array([np.vstack([rows[i][active] for i, active in enumerate(state)]) for state in candidates])
-    sigma = singular_values(stacked)
-    return sigma[:, 2] / sigma[:, 0]
+def _gram_tables(design: Design) -> np.ndarray:
+    """Per wheel and choice of its races: Σ a aᵀ of its rows, and the same of what its rows ask differently, (n, K, 2, 3, 3).
+
+    A state's AᵀA is the sum over its wheels; so is the matrix whose rank is what several contacts of one wheel hold the
+    sphere back by, as a wheel's own speed can follow one of them.
+    """
+    most = max(len(wheel.alternation) for wheel in design.wheels)
+    tables = np.zeros((design.wheel_count, most, 2, 3, 3))
+    for k in range(most):
+        A, B = constraint(design, [wheel.alternation[k % len(wheel.alternation)] for wheel in design.wheels])
+        for i in range(design.wheel_count):
+            own = np.flatnonzero(B[:, i])
+            rows, per_speed = A[own], A[own] / B[own, i][:, None]
+            apart = (per_speed - per_speed[0]) * B[own[0], i]
+            tables[i, k] = rows.T @ rows, apart.T @ apart
+    return tables
+
+
+def _badness(sums: np.ndarray) -> np.ndarray:
+    """Order of states by sums (..., 2, 3, 3) of their tables: rotations left (0 to 3) and, below one of them, isotropy."""
+    quality = np.linalg.eigvalsh(sums[..., 0, :, :])
+    held = np.linalg.eigvalsh(sums[..., 1, :, :])
+    rotations = 3 - np.sum(held > 1e-13 * np.maximum(held[..., -1:], 1e-12), axis=-1)
+    return rotations + 0.5 * np.sqrt(np.clip(quality[..., 0] / quality[..., 2], 0, 1))
+
+
+def _worst_of_all(tables: np.ndarray, sizes: list[int], count: int) -> np.ndarray:
+    worst, least = np.zeros(len(sizes), int), np.inf
+    for first in range(0, count, CHUNK):
+        choices = np.array(np.unravel_index(np.arange(first, min(first + CHUNK, count)), sizes))
+        sums = sum(tables[i, choices[i]] for i in range(len(sizes)))
+        badness = _badness(sums)
+        j = int(np.argmin(badness))
+        if badness[j] < least:
+            worst, least = choices[:, j], badness[j]
+    return worst
+
+
+def _worst_found(tables: np.ndarray, sizes: list[int]) -> np.ndarray:
+    held = np.trace(tables[:, :, 1], axis1=2, axis2=3)
+    starts = [np.zeros(len(sizes), int), np.array(sizes) - 1, np.argmax(held, axis=1) % np.array(sizes)]
+    found = [_descend(tables, sizes, start) for start in starts]
+    return min(found, key=lambda pair: pair[0])[1]
+
+
+def _descend(tables: np.ndarray, sizes: list[int], choice: np.ndarray) -> tuple[float, np.ndarray]:
+    """Change one wheel's races at a time while that makes the state worse."""
+    choice = choice.copy()
+    wheels = np.arange(len(sizes))
+    sums = tables[wheels, choice].sum(axis=0)
+    least = float(_badness(sums))
+    for _ in range(50):
+        before = least
+        for i in wheels[np.array(sizes) > 1]:
+            trials = sums - tables[i, choice[i]] + tables[i, : sizes[i]]
+            badness = _badness(trials)
+            k = int(np.argmin(badness))
+            if badness[k] < least:
+                sums, choice[i], least = trials[k], k, float(badness[k])
+        if least == before:
+            break
+    return least, choice

@@ -17,7 +17,7 @@ import spheredrive
 from spheredrive import kinematics
 from spheredrive.checking import Check, check
 from spheredrive.design import Design
-from spheredrive.errors import NearSingularWarning, SingularError, SpheredriveError
+from spheredrive.errors import NearSingularWarning, SpheredriveError
 from spheredrive.kinematics import KinematicRun
 from spheredrive.motion import Motion
 from spheredrive.report import tables
@@ -206,5 +206,5 @@ def _run(design: Design, motion: Motion) -> KinematicRun | str:
         warnings.simplefilter("ignore", NearSingularWarning)
         try:
             return kinematics.along(design, replace(motion, sample_rate=rate))
-        except SingularError as error:
+        except SpheredriveError as error:
             return f"The motion cannot be followed: {error}"

@@ -7,7 +7,8 @@ Sources: J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; the
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from spheredrive.compiled import njit
 
 STAGES = 7
 # Nodes of the stages: where in the step each is taken.
@@ -39,7 +40,7 @@ D = np.array(
 )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def stage_state(y, k, h, stage, out):
     """y + h Σ a_ij k_j: where the ``stage``-th stage is taken; the last one is the step's result.
 
@@ -71,7 +72,7 @@ def stage_state(y, k, h, stage, out):
             out[i] = y[i] + a0 * k[0, i] + a2 * k[2, i] + a3 * k[3, i] + a4 * k[4, i] + a5 * k[5, i]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def error_norm(y, y_new, k, h, rtol, atol):
     """Largest error of the step over its tolerance atol + rtol |y|; a step is good below 1, NaN never is."""
     worst, total = 0.0, 0.0
@@ -85,14 +86,14 @@ def error_norm(y, y_new, k, h, rtol, atol):
     return worst if total == total else total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def interpolate(y, y_new, k, h, theta, out):
     """State inside a step, at the share ``theta`` of it, to fourth order."""
     for i in range(y.size):
         out[i] = interpolated(y[i], y_new[i], k, h, theta, i)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def interpolated(y, y_new, k, h, theta, i):
     """The ``i``-th component inside a step, at the share ``theta`` of it."""
     change = y_new - y

@@ -12,8 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from spheredrive.compiled import njit
 from spheredrive.dynamics.rolling import (
     ANGLE,
     HALF_PITCH,
@@ -111,7 +112,7 @@ class Work(NamedTuple):
     before: np.ndarray
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def advance(machine, task, progress, record, most_steps):
     """Integrate until the run ends or ``most_steps`` more rounds are done; returns how it stands.
 
@@ -159,7 +160,7 @@ def advance(machine, task, progress, record, most_steps):
     return RUNNING
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _find_rate(machine, task, progress, work):
     clock = progress.clock
     _inputs_at(task.pieces, int(progress.counters[PIECE]), clock[TIME], work.drive, work.slope, work.stage)
@@ -173,7 +174,7 @@ def _find_rate(machine, task, progress, work):
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _take_step(machine, task, progress, record, work, atol):
     """One step, good or refused.
 
@@ -230,7 +231,7 @@ def _take_step(machine, task, progress, record, work, atol):
     return RUNNING, 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _stages(machine, task, progress, work, t, h):
     """The stages of a step of length ``h``: k[0] is there already, k[1] to k[6] and the step's end are found."""
     body, contacts, wheels, pieces, y, k = machine.body, machine.contacts, machine.wheels, task.pieces, progress.y, work.k
@@ -245,7 +246,7 @@ def _stages(machine, task, progress, work, t, h):
     return True
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def _normalise(vector, y):
     """Divide the quaternion's place in ``vector`` by the length of the quaternion in ``y``."""
     length = 0.0
@@ -256,7 +257,7 @@ def _normalise(vector, y):
         vector[ORIENTATION + i] /= length
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _inputs_at(pieces, piece, t, drive, slope, stage):
     """Drive, its slope and the stage's input at ``t`` of a piece: its ends, then first and last values of both."""
     first, last = pieces[piece, 0], pieces[piece, 1]
@@ -271,7 +272,7 @@ def _inputs_at(pieces, piece, t, drive, slope, stage):
         stage[i] = begin + share * (pieces[piece, 5 + 2 * c + i] - begin)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _solve_now(machine, task, progress, work, t, y):
     """``solve`` at time ``t`` of the present piece."""
     _inputs_at(task.pieces, int(progress.counters[PIECE]), t, work.drive, work.slope, work.stage)
@@ -281,7 +282,7 @@ def _solve_now(machine, task, progress, work, t, y):
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _enter_piece(machine, task, progress, record, work):
     """Go on to the next piece; a jump of a prescribed Ω there takes or gives energy, which is written down."""
     clock, y = progress.clock, progress.y
@@ -299,24 +300,24 @@ def _enter_piece(machine, task, progress, record, work):
         _write_event(machine, progress, record, work, -1, kinetic + potential, old)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _set_state(wheels, pitch, resting, state):
     for w in range(state.size):
         state[w] = RESTING if resting[w] == 1 else (pitch[w] % 2 if np.isfinite(wheels[w, HALF_PITCH]) else 0)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def _speed(contacts, w, k, y):
     """Speed that the ``k``-th contact state gives wheel ``w``."""
     return contacts[w, k, 0] * y[OMEGA] + contacts[w, k, 1] * y[OMEGA + 1] + contacts[w, k, 2] * y[OMEGA + 2]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def _boundary(wheels, pitch, w, upper):
     return (pitch[w] + (1 if upper else 0)) * wheels[w, HALF_PITCH] - wheels[w, PHASE]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _leave_rest(contacts, y, pitch, resting):
     """Let go of a wheel that its races no longer drive back to the boundary between them; −1 where there is none."""
     for w in range(pitch.size):
@@ -330,7 +331,7 @@ def _leave_rest(contacts, y, pitch, resting):
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _wheel_at_boundary(machine, progress, state):
     """± (wheel + 1) of a wheel that stands on its boundary and moves out of it, up or down; 0 where there is none."""
     contacts, wheels, y, pitch = machine.contacts, machine.wheels, progress.y, progress.pitch
@@ -345,7 +346,7 @@ def _wheel_at_boundary(machine, progress, state):
     return 0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _first_crossing(wheels, y, y_new, k, h, pitch, resting):
     """The wheel that leaves its half pitch first in a step (−1: none), at which share of it, and whether upward."""
     first_wheel, first_share, first_up = -1, 2.0, True
@@ -368,7 +369,7 @@ def _first_crossing(wheels, y, y_new, k, h, pitch, resting):
     return first_wheel, first_share, first_up
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _share_at(y, y_new, k, h, i, goal, end, rising):
     """Where in the step the interpolant of component i passes ``goal``, between its start and ``end``: by halving."""
     inside, outside = 0.0, end
@@ -381,7 +382,7 @@ def _share_at(y, y_new, k, h, i, goal, end, rising):
     return outside
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _snap(wheels, y, pitch, wheel):
     """Put a wheel that has reached its boundary exactly on it."""
     upper, lower = _boundary(wheels, pitch, wheel, True), _boundary(wheels, pitch, wheel, False)
@@ -389,7 +390,7 @@ def _snap(wheels, y, pitch, wheel):
     y[ANGLE + wheel] = upper if abs(angle - upper) < abs(angle - lower) else lower
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _change_race(machine, task, progress, record, work, changed, reference):
     """Let a wheel at its boundary change its race, up (+) or down (−).
 
@@ -406,7 +407,7 @@ def _change_race(machine, task, progress, record, work, changed, reference):
     return _enter_contacts(machine, task, progress, record, work, w)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _enter_contacts(machine, task, progress, record, work, w):
     """Go over to the contact state that ``pitch`` and ``resting`` tell, because of wheel ``w``, and write the event down.
 
@@ -429,7 +430,7 @@ def _enter_contacts(machine, task, progress, record, work, w):
     return fine
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _write_event(machine, progress, record, work, w, energy_before, old):
     """Write an event down; its impulse is what the sphere's moment of momentum about its centre changes by, I ΔΩ."""
     y, row = progress.y, record.events[int(progress.counters[EVENT])]
@@ -443,7 +444,7 @@ def _write_event(machine, progress, record, work, w, energy_before, old):
     progress.counters[EVENT] += 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _take_samples(machine, task, progress, record, work, h, t_new):
     """Write down the samples before ``t_new``: the state from the step's interpolant, forces from the equations."""
     t, counters, samples = progress.clock[TIME], progress.counters, task.samples
@@ -453,14 +454,14 @@ def _take_samples(machine, task, progress, record, work, h, t_new):
         _sample(machine, task, progress, record, work, at, work.trial)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _sample_the_end(machine, task, progress, record, work):
     while progress.counters[SAMPLE] < task.samples.size:
         work.trial[:] = progress.y
         _sample(machine, task, progress, record, work, task.pieces[-1, 1], work.trial)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _sample(machine, task, progress, record, work, t, y):
     row = int(progress.counters[SAMPLE])
     _solve_now(machine, task, progress, work, t, y)
@@ -471,7 +472,7 @@ def _sample(machine, task, progress, record, work, t, y):
     progress.counters[SAMPLE] += 1
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@njit(parallel=True, error_model="numpy")
 def advance_all(
     body, contacts, wheels, kinds, pieces, samples, control, y, rate, pitch, resting, clock, counters, sampled, results, states,
     events, most_steps, status,

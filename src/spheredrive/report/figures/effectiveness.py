@@ -162,4 +162,4 @@ def effectiveness_caption(design: Design) -> str:
 
 
 def _axis(text: str) -> str:
-    return text if text.startswith(("every", "all")) else f"axis {text}"
+    return text if text.startswith(("any", "all")) else f"axis {text}"
