@@ -1,24 +1,31 @@
 """The command line: one function a subcommand, each a thin edge over the functions it calls.
 
 Results go to standard output, progress and notes to standard error. Exit 0: done; 1: done, and the findings say the design
-does not work; 2: bad input. Imports stand inside the functions: a help text must not wait for a compiler.
+does not work; 2: bad input, or an output that cannot be written; 70: a defect of this program; 130: stopped. Imports stand
+inside the functions: a help text must not wait for a compiler.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import App, CycloptsError, Parameter
 
 import spheredrive
 from spheredrive.errors import SpheredriveError
 
+if TYPE_CHECKING:
+    from spheredrive.design import Design
+    from spheredrive.motion import Motion
+
 EXIT_DOES_NOT_WORK = 1
 EXIT_BAD_INPUT = 2
+EXIT_DEFECT = 70
 EXIT_STOPPED = 130
 
 # Work that is done sooner than this, in s, shows no progress.
@@ -80,6 +87,7 @@ def simulate(
         Model of the machine: rolling.
     """
     from spheredrive.io.design_file import load_design
+    from spheredrive.io.files import require_no_input
     from spheredrive.io.motion_file import load_motion
     from spheredrive.io.results import require_writable, write_run
     from spheredrive.simulation.overview import overview
@@ -87,6 +95,7 @@ def simulate(
 
     loaded = load_design(design)
     asked = load_motion(motion, wheel_count=loaded.wheel_count)
+    require_no_input(output, _inputs((design, loaded), (motion, asked)))
     require_writable(output)
     try:
         with _progress("Simulating") as watch:
@@ -124,16 +133,15 @@ def report(
         The HTML file to write.
     """
     from spheredrive.io.design_file import load_design
-    from spheredrive.io.files import write_whole
+    from spheredrive.io.files import require_no_input
     from spheredrive.io.motion_file import load_motion
-    from spheredrive.report.page import page
 
     loaded = load_design(design)
     asked = None if motion is None else load_motion(motion, wheel_count=loaded.wheel_count)
-    found = page(loaded, asked)
-    write_whole(output, found.html)
+    require_no_input(output, _inputs((design, loaded), (motion, asked)))
+    works = _write_report(loaded, asked, output)
     print(output)
-    return 0 if found.works else EXIT_DOES_NOT_WORK
+    return 0 if works else EXIT_DOES_NOT_WORK
 
 
 @app.command
@@ -157,20 +165,22 @@ def demo(
     """
     from spheredrive.designs import design_path, motion_path
     from spheredrive.io.design_file import load_design
+    from spheredrive.io.files import require_no_input
     from spheredrive.io.motion_file import load_motion
-    from spheredrive.report import write_report
 
-    design = load_design(design_path(name))
-    motion = None
-    if design.wheel_count == 3:
-        motion = load_motion(motion_path("atlas-table-2-1"), wheel_count=3)
-    else:
+    design = design_path(name)
+    loaded = load_design(design)
+    motion = motion_path("atlas-table-2-1") if loaded.wheel_count == 3 else None
+    asked = None if motion is None else load_motion(motion, wheel_count=3)
+    require_no_input(output, _inputs((design, loaded), (motion, asked)))
+    if motion is None:
         _note("The demonstration motion is for three wheels; the report is of the design alone.")
-    path = write_report(design, output, motion=motion).resolve()
+    works = _write_report(loaded, asked, output)
+    path = output.resolve()
     print(path)
     if browser and not _opened(path):
         _note("No browser was found: open the file above in one.")
-    return 0
+    return 0 if works else EXIT_DOES_NOT_WORK
 
 
 @app.command
@@ -200,32 +210,118 @@ def schema() -> int:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run a command line and leave with its exit code; every refusal is a sentence on standard error."""
-    for stream in (sys.stdout, sys.stderr):
-        # Formulas and the file's own words must not break a terminal that knows less than UTF-8.
-        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    _settle_streams()
     try:
-        code = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
-    except CycloptsError as error:
-        _refuse(_one_paragraph(str(error)))
-    except SpheredriveError as error:
-        _refuse(str(error))
+        code = _answer(arguments)
+        sys.stdout.flush()
     except BrokenPipeError:
-        # The reader has gone, as `| head` does: nothing is left to say, and closing the stream must not complain.
-        sys.stderr.close()
+        # The reader has gone, as `| head` does: nothing is left to say.
+        _abandon(sys.stdout)
         code = 0
+    except OSError as error:
+        _abandon(sys.stdout)
+        code = _refuse(f"the output cannot be written: {(error.strerror or str(error)).lower()}")
     except KeyboardInterrupt:
         _note("Stopped.")
         code = EXIT_STOPPED
-    sys.exit(code if isinstance(code, int) else 0)
+    try:
+        sys.stderr.flush()
+    except OSError:
+        _abandon(sys.stderr)
+    sys.exit(code)
 
 
-def _refuse(sentence: str) -> None:
-    print(f"spheredrive: {sentence}", file=sys.stderr)
-    sys.exit(EXIT_BAD_INPUT)
+def _answer(arguments: list[str] | None) -> int:
+    """The exit code of a command line. Raises ``OSError`` where standard output cannot be written."""
+    try:
+        code = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+    except CycloptsError as error:
+        return _refuse(_one_paragraph(str(error)))
+    except SpheredriveError as error:
+        return _refuse(str(error))
+    except SystemExit as error:
+        # How rich, which prints the help, leaves when its reader has gone.
+        if isinstance(error.__context__, BrokenPipeError):
+            raise error.__context__ from None
+        raise
+    except Exception as error:
+        # Streams have no file name; what befalls a file is a SpheredriveError, or else nobody has thought of it.
+        if isinstance(error, OSError) and error.errno is not None and error.filename is None:
+            raise
+        return _admit(error)
+    return code if isinstance(code, int) else 0
+
+
+def _settle_streams() -> None:
+    # In this order: each takes the lowest free number, its own, which no file opened later must get.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 - as long as the process
+    for stream in (sys.stdout, sys.stderr):
+        # Formulas and the file's own words must not break a terminal that knows less than UTF-8.
+        stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+
+
+def _abandon(stream: TextIO) -> None:
+    """Lead ``stream`` nowhere: at its end the interpreter writes what it still holds, and would complain."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _refuse(sentence: str) -> int:
+    _note(f"spheredrive: {sentence}")
+    return EXIT_BAD_INPUT
+
+
+def _admit(error: Exception) -> int:
+    """Say that this program is at fault: an exit code of 1 would say that the design is."""
+    import traceback
+
+    from spheredrive.io.files import printable
+
+    if os.environ.get("SPHEREDRIVE_DEBUG"):
+        _note("".join(traceback.format_exception(error)).rstrip())
+    what = printable(_one_paragraph(f"{type(error).__name__}: {error}").removesuffix(":"))
+    _note(
+        f"spheredrive: a defect of spheredrive, not of your input ({what}); please report it with your files and what the "
+        "environment variable SPHEREDRIVE_DEBUG=1 shows."
+    )
+    return EXIT_DEFECT
 
 
 def _note(sentence: str) -> None:
-    print(sentence, file=sys.stderr)
+    # Where nobody can be told, the exit code still tells.
+    with suppress(OSError):
+        print(sentence, file=sys.stderr)
+
+
+def _inputs(*read: tuple[Path | None, Design | Motion | None]) -> list[Path]:
+    """Every file that was read: those of designs and motions, and the tables that they name."""
+    import tomllib
+
+    found = []
+    for path, value in read:
+        if path is not None and value is not None:
+            found += [path, *(path.parent / name for name in _named_files(tomllib.loads(value.source)))]
+    return found
+
+
+def _named_files(table: dict[str, Any]) -> Iterator[str]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _named_files(value)
+        elif key == "file" and isinstance(value, str):
+            yield value
+
+
+def _write_report(design: Design, motion: Motion | None, output: Path) -> bool:
+    """Write the report, and say whether the design works."""
+    from spheredrive.io.files import write_whole
+    from spheredrive.report.page import page
+
+    found = page(design, motion)
+    write_whole(output, found.html)
+    return found.works
 
 
 @contextmanager
@@ -259,12 +355,12 @@ def _one_paragraph(text: str) -> str:
 def _print_json(value: object) -> None:
     import json
 
-    print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+    # In ASCII: a stream of another encoding would lose letters.
+    print(json.dumps(value, indent=2, ensure_ascii=True, allow_nan=False))
 
 
 def _opened(path: Path) -> bool:
     """Show the page in a browser; a machine without a screen has none to ask."""
-    import os
     import webbrowser
 
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):

@@ -248,3 +248,154 @@ def test_help_lists_every_command():
 
 def test_version_is_printed():
     assert run("--version").stdout.strip() == sd.__version__
+
+
+# Nothing that was read is written over.
+
+MEASURED = """
+schema_version = 1
+name = "measured"
+[sphere]
+radius = "15 cm"
+[wheels.round]
+type = "measured"
+file = "outline.csv"
+[[placement]]
+count = 3
+elevation = "-40 deg"
+"""
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [("report", "link.toml"), ("report", "outline.csv"), ("simulate", "./motion.toml"), ("report", "torques.csv")],
+)
+def test_output_in_the_place_of_an_input_is_refused(command, name, tmp_path):
+    (tmp_path / "design.toml").write_text(MEASURED, encoding="utf-8")
+    (tmp_path / "outline.csv").write_text("angle,radius\n0,0.025\n2,0.025\n4,0.025\n", encoding="utf-8")
+    (tmp_path / "torques.csv").write_text("time,wheel_1,wheel_2,wheel_3\n0,0,0,0\n0.1,0,0,0\n", encoding="utf-8")
+    (tmp_path / "link.toml").symlink_to("design.toml")
+    motion_file(tmp_path, 'file = "torques.csv"')
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    answer = run(command, "design.toml", "motion.toml", "-o", name, folder=tmp_path)
+    assert answer.returncode == 2 and answer.stdout == "" and "Traceback" not in answer.stderr
+    assert answer.stderr.startswith("spheredrive: ") and "is the input" in answer.stderr
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_demo_in_the_place_of_its_design_is_refused():
+    path = sd.design_path("ballbot")
+    before = path.read_bytes()
+    answer = run("demo", "ballbot", "-o", path, "--no-browser")
+    assert answer.returncode == 2 and "is the input" in answer.stderr and path.read_bytes() == before
+
+
+def test_demo_of_a_design_that_does_not_work_exits_1_as_report_does(tmp_path):
+    answer = run("demo", "collinear-triple-race", "--no-browser", folder=tmp_path)
+    assert answer.returncode == 1, answer.stderr
+    assert (tmp_path / "spheredrive-demo.html").exists()
+
+
+# Streams that are closed, full, gone or of another encoding.
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell and its devices")
+ATLAS = str(sd.design_path("atlas-dual-race"))
+
+
+def shell(line, folder=None, **environment):
+    """``line`` in a shell: $P is the program, $D a design that works; its exit code is that of the whole line."""
+    return subprocess.run(
+        ["sh", "-c", line],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env={**os.environ, "P": str(PROGRAM), "D": ATLAS, **environment},
+    )
+
+
+@POSIX
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("$P check $S <&- >&- 2>&-", 1),
+        ("$P --help >&-", 0),
+        ("$P new made.toml <&- >&- 2>&-", 0),
+    ],
+)
+def test_closed_streams_change_no_exit_code(line, code, singular):
+    answer = shell(line, folder=singular.parent, S=str(singular))
+    assert answer.returncode == code and "Traceback" not in answer.stderr
+    made = singular.parent / "made.toml"
+    assert not made.exists() or made.read_text(encoding="utf-8") == sd.io.starting_file()
+
+
+@POSIX
+def test_closed_stderr_sends_no_refusal_to_stdout(tmp_path):
+    answer = shell("$P check absent.toml 2>&-", folder=tmp_path)
+    assert answer.returncode == 2 and answer.stdout == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("words", ["schema", "--help"])
+def test_output_that_cannot_be_written_exits_2_with_a_sentence(words):
+    answer = shell(f"$P {words} > /dev/full")
+    assert answer.returncode == 2
+    assert answer.stderr.startswith("spheredrive: the output cannot be written") and answer.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("words", ["check absent.toml", "schema > /dev/full"])
+def test_errors_that_cannot_be_told_leave_the_exit_code(words):
+    assert shell(f"$P {words} 2> /dev/full").returncode == 2
+
+
+@POSIX
+@pytest.mark.parametrize("words", ["--help", "schema", "check $D"])
+def test_reader_that_has_gone_is_no_failure(words):
+    # `true` reads nothing: the pipe is closed when the answer comes.
+    answer = shell(f"{{ $P {words}; echo $? >&2; }} | true")
+    assert answer.stderr == "0\n"
+
+
+def test_json_loses_no_letter_where_the_stream_is_ascii(tmp_path):
+    path = tmp_path / "design.toml"
+    path.write_text(SINGULAR.replace("on the equator", "Kügel Ω 球"), encoding="utf-8")
+    answer = run("check", path, "--json", PYTHONIOENCODING="ascii")
+    assert json.loads(answer.stdout)["name"] == "Kügel Ω 球"
+
+
+@POSIX
+def test_file_that_is_a_pipe_is_written_to():
+    code = "from spheredrive.io.files import write_whole; write_whole('/dev/stdout', 'a' * 200_000)"
+    answer = shell(f'"{sys.executable}" -c "{code}" | cat')
+    assert answer.stderr == "" and answer.stdout == "a" * 200_000
+
+
+DEFECT = """
+import spheredrive.checking
+from spheredrive.cli import main
+
+def check(design):
+    raise {error}
+
+spheredrive.checking.check = check
+main(["check", {path!r}])
+"""
+
+
+@pytest.mark.parametrize(("error", "debug"), [("ZeroDivisionError('seven\\nbridges')", ""), ("OSError('seven bridges')", "1")])
+def test_defect_of_the_program_exits_70_and_asks_for_a_report(error, debug):
+    answer = subprocess.run(
+        [sys.executable, "-c", DEFECT.format(error=error, path=ATLAS)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env={**os.environ, "SPHEREDRIVE_DEBUG": debug},
+    )
+    assert answer.returncode == 70 and answer.stdout == ""
+    last = answer.stderr.splitlines()[-1]
+    assert last.startswith("spheredrive: ") and "Error: seven bridges" in last and "report" in last
+    assert ("Traceback" in answer.stderr) == bool(debug) and (debug or answer.stderr.count("\n") == 1)

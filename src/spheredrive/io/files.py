@@ -6,7 +6,7 @@ import contextlib
 import os
 import secrets
 import stat
-from pathlib import Path
+from collections.abc import Iterable
 
 from spheredrive.errors import InputError, Place
 
@@ -71,22 +71,41 @@ def write_whole(path: str | os.PathLike, content: str | bytes, *, replace: bool 
     Raises ``InputError`` where it cannot be written, or exists and ``replace`` is false.
     """
     data = content.encode() if isinstance(content, str) else content
-    target = os.path.realpath(path)
     try:
-        mode = os.stat(target).st_mode if os.path.exists(target) else None
+        mode = _mode(path)
         if mode is not None and not replace:
             raise InputError("exists already and is not overwritten; choose another name", path=os.fspath(path))
         if mode is not None and stat.S_ISDIR(mode):
             raise InputError("is a folder; name a file", path=os.fspath(path))
         if mode is not None and not stat.S_ISREG(mode):
-            # A pipe or a device is written to, never replaced.
-            Path(target).write_bytes(data)
+            # A pipe or a device is written to, never replaced. A pipe has no real path: /dev/stdout is its only name.
+            with open(path, "wb") as file:
+                file.write(data)
             return
-        _write_beside(target, data, mode, replace)
+        _write_beside(os.path.realpath(path), data, mode, replace)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(_why(error, "written"), path=os.fspath(path)) from None
+
+
+def require_no_input(path: str | os.PathLike, inputs: Iterable[str | os.PathLike]) -> None:
+    """Raise ``InputError`` where what is to be written at ``path`` would take the place of one of the ``inputs``."""
+    for one in inputs:
+        same = False
+        # What does not exist is no input, by whatever name.
+        with contextlib.suppress(OSError, ValueError):
+            same = os.path.samefile(path, one)
+        if same:
+            rule = f"is the input {os.fspath(one)} and is not overwritten; choose another name for the output"
+            raise InputError(rule, path=os.fspath(path))
+
+
+def _mode(path: str | os.PathLike) -> int | None:
+    try:
+        return os.stat(path).st_mode
+    except FileNotFoundError:
+        return None
 
 
 def _write_beside(target: str, data: bytes, mode: int | None, replace: bool) -> None:
