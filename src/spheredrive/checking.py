@@ -172,13 +172,13 @@ def _state_findings(states, count, singular):
             "slip",
             "failure",
             f"{where} some rotations slip: races of one wheel that touch together ask for different motions. With races "
-            f"{_races_text(worst)} in contact the rotations free of slip are: {left}.",
+            f"{worst.races_text} in contact the rotations free of slip are: {left}.",
         )
     if not singular and worst.isotropy < NEAR_SINGULAR:
         yield Finding(
             "singular-state",
             "failure",
-            f"The nominal layout works, but with races {_races_text(worst)} in contact it is singular or nearly so "
+            f"The nominal layout works, but with races {worst.races_text} in contact it is singular or nearly so "
             f"(isotropy {worst.isotropy:.3g}).",
         )
 
@@ -192,10 +192,6 @@ def _race_findings(design: Design):
             f"Races touch up to {math.degrees(max(deflections)):.2f}° beside the wheels' middle: a controller that knows only "
             "the nominal Jacobian errs in direction and magnitude as races change.",
         )
-
-
-def _races_text(state) -> str:
-    return " ".join("+".join(map(str, active)) for active in state.races)
 
 
 def _finite(number: float) -> float | None:

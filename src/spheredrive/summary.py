@@ -60,18 +60,19 @@ def _quality_lines(result: Check) -> list[str]:
         f"  determinant of A      {determinant}",
         f"  worst direction       {result.weakest}: weakest hold, largest error",
         f"  slowest direction     {result.slowest}: most wheel speed for a turn",
-        f"  nearest singularity   {_singularity_text(result)}",
+        f"  nearest singularity   {singularity_text(result)}   (σ₃ of A now {result.singular_values[2]:.4f})",
     ]
 
 
-def _singularity_text(result: Check) -> str:
+def singularity_text(result: Check) -> str:
+    """The nearest singularity in words."""
     if result.singular_values[2] == 0.0:
         return "the layout itself is singular"
     near = result.nearest_singularity
     if near is None:
         return "none by elevation, heading or roller angle of all wheels"
     name = near.parameter.replace("_", " ")
-    return f"{name} of all wheels changed by {math.degrees(near.change):+.2f}°   (σ₃ of A now {result.singular_values[2]:.4f})"
+    return f"{name} of all wheels changed by {math.degrees(near.change):+.2f}°"
 
 
 def _matrix_lines(result: Check) -> list[str]:
@@ -95,8 +96,7 @@ def _state_lines(result: Check) -> list[str]:
         title += f", the worst {len(worst_first)}" if len(worst_first) > 1 else alone
     rows = [("races", "contacts", "slip-free motions", "of these rotations", "isotropy")]
     for s in worst_first:
-        races = " ".join("+".join(map(str, active)) for active in s.races)
-        rows.append((races, str(s.contacts), str(s.slip_free_dof), str(s.rotation_dof), f"{s.isotropy:.4f}"))
+        rows.append((s.races_text, str(s.contacts), str(s.slip_free_dof), str(s.rotation_dof), f"{s.isotropy:.4f}"))
     return [title, *table(rows, indent=4, left=(0,))]
 
 

@@ -72,6 +72,11 @@ class ContactState:
     rotation_dof: int
     isotropy: float
 
+    @property
+    def races_text(self) -> str:
+        """``"1 2 1+3"``: wheels apart by spaces, races that touch together joined."""
+        return " ".join("+".join(map(str, active)) for active in self.races)
+
 
 def count_contact_states(design: Design) -> int:
     """How many combinations of active races the wheels can show."""

@@ -11,7 +11,7 @@ import numpy as np
 from spheredrive.checking import Check
 from spheredrive.design import Design
 from spheredrive.simulation.overview import Overview
-from spheredrive.summary import degrees, millimetres
+from spheredrive.summary import degrees, millimetres, singularity_text
 from spheredrive.wheels.base import Wheel
 
 # Units as a drawing would have them: factor from SI, and how the unit is written.
@@ -214,20 +214,11 @@ def quality_rows(result: Check) -> list[Row]:
         ),
         Row("Worst direction", result.weakest, "About this axis wheels hold the sphere least, and their errors grow most."),
         Row(
-            "Nearest singularity", singularity_text(result), "How far the layout stands from not working, and by which change."
+            "Nearest singularity",
+            singularity_text(result).replace("-", "−"),
+            "How far the layout stands from not working, and by which change.",
         ),
     ]
-
-
-def singularity_text(result: Check) -> str:
-    """The nearest singularity in words."""
-    if result.singular_values[2] == 0.0:
-        return "the layout itself is singular"
-    near = result.nearest_singularity
-    if near is None:
-        return "none by elevation, heading or roller angle of all wheels"
-    change = f"{math.degrees(near.change):+.2f}°".replace("-", "−")
-    return f"{near.parameter.replace('_', ' ')} of all wheels changed by {change}"
 
 
 def matrices(result: Check) -> list[Matrix]:

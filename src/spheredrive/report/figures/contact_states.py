@@ -30,11 +30,6 @@ def shown_states(result: Check) -> list[tuple[int, ContactState]]:
     return sorted(numbered, key=lambda entry: (entry[1].rotation_dof, entry[1].isotropy, entry[0]))[:WORST]
 
 
-def races_text(state: ContactState) -> str:
-    """The active races of each wheel: "1 2 1+3"."""
-    return " ".join("+".join(map(str, active)) for active in state.races)
-
-
 @styled
 def contact_states_figure(result: Check) -> Figure:
     """Matrix of active races (columns: states, rows: wheels that alternate), slip-free rotations and isotropy below."""
@@ -116,7 +111,7 @@ def contact_states_caption(result: Check) -> str:
         text += f"Isotropy is {best:.3f} in all of them; nominal contacts have {result.isotropy:.3f}."
     else:
         text += (
-            f"Isotropy runs from {worst.isotropy:.3f} (state {worst_number}, races {races_text(worst)}) to {best:.3f}; nominal "
+            f"Isotropy runs from {worst.isotropy:.3f} (state {worst_number}, races {worst.races_text}) to {best:.3f}; nominal "
             f"contacts have {result.isotropy:.3f}."
         )
     shown = len(shown_states(result))
