@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 class SpheredriveError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base of the errors that say what is wrong with a design, a motion, a file or a question asked of them."""
 
 
 class DesignError(SpheredriveError, ValueError):

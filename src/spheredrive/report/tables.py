@@ -89,6 +89,8 @@ def given_rows(value: Any) -> list[Row]:
 
 
 def _sentence(text: str) -> str:
+    """What a key is, without the part behind a semicolon that tells what holds where it is absent."""
+    text = text.partition(";")[0]
     return text[:1].upper() + text[1:]
 
 
