@@ -15,7 +15,7 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_MODULES = ("contact", "design", "dynamics", "errors", "frames", "io", "kinematics", "motion", "report", "wheels")
+_MODULES = ("contact", "design", "dynamics", "errors", "frames", "io", "kinematics", "motion", "report", "shape", "vibration", "wheels")
 _NAMES = {
     "Design": "design",
     "DesignError": "errors",
@@ -32,6 +32,7 @@ _NAMES = {
     "motion_path": "designs",
     "shipped_designs": "designs",
     "simulate": "simulation.simulate",
+    "simulate_batch": "simulation.simulate",
 }
 
 __all__ = ["__version__", *_MODULES, *_NAMES]

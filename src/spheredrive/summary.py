@@ -150,6 +150,7 @@ def _run_lines(result: Overview) -> list[str]:
     if low is not None:
         place = f"wheel {low.wheel} at {low.least_normal_time:.4g} s"
         lines.append(f"  least normal force     {low.least_normal:.4g} N, {place}")
+    lines.append(f"  least preload          {preload_phrase(result)}")
     lines.append(f"  energy ledger          {result.residual:.2g} J off at most, of {result.energy:.3g} J")
     return lines
 
@@ -168,6 +169,17 @@ def _peak_lines(result: Overview) -> list[str]:
 def _run_finding_lines(result: Overview) -> list[str]:
     verdict = "The design works in this motion." if result.works else "The design does not work in this motion."
     return [verdict, *(f"  {f.severity}: {f.message} [{f.code}]" for f in result.findings)]
+
+
+def preload_phrase(result: Overview) -> str:
+    """The least preload of a run, or why there is none."""
+    p = result.preload
+    if isinstance(p, str):
+        return f"not known: {p}"
+    along = ", ".join(f"{round(x, 4) + 0.0:g}" for x in p.direction)
+    if p.force == 0.0:
+        return f"none needed along ({along}) on top of the closure force"
+    return f"{p.force:.4g} N along ({along}) on top of the closure force, for wheel {p.wheel} at {p.time:.4g} s"
 
 
 def ratio(utilisation: float) -> str:

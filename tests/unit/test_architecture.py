@@ -15,10 +15,12 @@ LAYERS = [
     ("values", "frames", "compiled"),
     ("wheels",),
     ("design", "motion"),
+    ("shape",),
     ("kinematics",),
     ("contact",),
     ("checking",),
     ("dynamics",),
+    ("vibration",),
     ("simulation",),
     ("summary",),
     ("io", "designs"),
@@ -27,7 +29,7 @@ LAYERS = [
 ]
 # A value that can describe itself: ``Design.__str__`` asks for its table when it is printed.
 EXCEPTIONS = {("design", "summary")}
-PHYSICS = {"values", "frames", "wheels", "design", "motion", "kinematics", "contact", "checking", "dynamics"}
+PHYSICS = {"values", "frames", "wheels", "design", "motion", "kinematics", "contact", "checking", "dynamics", "shape", "vibration"}
 EDGE_LIBRARIES = {"pydantic", "pint", "tomllib", "tomlkit", "matplotlib", "jinja2", "cyclopts", "rich", "xarray"}
 
 

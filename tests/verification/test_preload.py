@@ -70,6 +70,18 @@ def test_static_preload_of_the_atlas_in_closed_form():
     assert least_preload_of_run(design, run).force == pytest.approx(expected, rel=1e-9)
 
 
+def test_overview_tells_the_preload_that_just_holds():
+    """Wheels below the sphere: straight down presses them, and ΣR̂ of the Atlas points there."""
+    from spheredrive.simulation.overview import overview
+
+    design, motion = gripping(), pushing(0.5)
+    found = overview(design, run_rolling(design, motion)).preload
+    np.testing.assert_allclose(found.direction, (0, 0, -1), atol=1e-15)
+    assert found.force == pytest.approx(least_preload(design, motion).force, rel=1e-12) and found.force > 0
+    bare = replace(design, contact=replace(design.contact, friction=None))
+    assert "friction" in overview(bare, run_rolling(bare, motion)).preload
+
+
 def test_thesis_closure_force_puts_every_contact_at_its_limit():
     design, motion = gripping(), pushing(0.5)
     run = run_rolling(design, motion)

@@ -301,16 +301,27 @@ def test_resistance_slows_a_coasting_sphere_by_the_heat_it_makes():
     np.testing.assert_allclose(run.angular_velocity[:, 2], 2 - moment / inertia * run.time, rtol=2e-7)
 
 
-def test_runs_do_not_depend_on_the_batch_they_are_in():
-    from spheredrive.simulation.rolling_run import run_rolling_batch
+@pytest.mark.parametrize("wheel", [DualRaceWheel(**DUAL), IdealWheel(radius=0.025)], ids=["dual-race", "round"])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_runs_do_not_depend_on_the_batch_they_are_in_nor_on_threads(wheel, threads):
+    """Runs of unlike lengths of step share lanes, and lanes are taken over when a run ends."""
+    import numba
 
-    design = dual()
-    motions = [torques((0.02, 0.001 * i, -0.01), 1.0, sample_rate=100) for i in range(9)]
-    batch = run_rolling_batch([design], motions)
-    for i in (0, 4, 8):
+    from spheredrive import simulate_batch
+
+    design = replace(dual(), placements=tuple(replace(p, wheel=replace(wheel, mass=0.1)) for p in dual().placements))
+    motions = [torques((0.02, 0.001 * i, -0.01 + 0.002 * (i % 5)), 0.5, sample_rate=20) for i in range(41)]
+    before = numba.get_num_threads()
+    try:
+        numba.set_num_threads(min(threads, before))
+        batch = simulate_batch(design, motions)
+    finally:
+        numba.set_num_threads(before)
+    for i in (0, 7, 8, 31, 32, 40):
         alone = run_rolling(design, motions[i])
-        np.testing.assert_array_equal(alone.angular_velocity, batch[i].angular_velocity)
-        np.testing.assert_array_equal(alone.event_time, batch[i].event_time)
+        for name in ("angular_velocity", "orientation", "wheel_angle", "motor_work", "normal_force", "event_time"):
+            np.testing.assert_array_equal(getattr(alone, name), getattr(batch.runs[i], name))
+    assert batch[40].attrs["motion_values_sha256"] != batch[39].attrs["motion_values_sha256"]
 
 
 def test_stopping_to_look_changes_no_bit(monkeypatch):

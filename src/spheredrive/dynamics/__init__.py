@@ -7,6 +7,7 @@ from spheredrive.dynamics.loads import (
     least_preload_of_run,
     loads,
     normals_known,
+    pressing_direction,
     thesis_closure_force,
     utilisation,
 )
@@ -18,6 +19,7 @@ __all__ = [
     "least_preload_of_run",
     "loads",
     "normals_known",
+    "pressing_direction",
     "thesis_closure_force",
     "utilisation",
 ]

@@ -145,6 +145,13 @@ def preload_direction(direction) -> np.ndarray:
     return d / np.linalg.norm(d)
 
 
+def pressing_direction(design: Design) -> np.ndarray:
+    """The direction that presses the sphere on all its wheels, Σ R̂ᵢ as a unit vector; straight down where that is nothing."""
+    total = design.contact_directions.sum(axis=0)
+    length = np.linalg.norm(total)
+    return total / length if length > 1e-9 else np.array([0.0, 0.0, -1.0])
+
+
 def least_preload_of_run(design: Design, run: RollingRun, direction=(0.0, 0.0, -1.0)) -> Preload:
     """The least preload for the forces of ``run``, taken to stay as they are: exact where resistances are absent.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from spheredrive.compiled import njit
+from spheredrive.dynamics.algebra import add, add_dyad, cross, dot, inverse, quaternion_rate, rotation_rows, times
 
 # What the wheels are given.
 TORQUE, WHEEL_SPEED, SPHERE_VELOCITY = 0, 1, 2
@@ -19,10 +20,9 @@ STILL, FORCE, ACCELERATION = 0, 1, 2
 # A wheel's contact state beside 0 and 1: it rests on the boundary between its races.
 RESTING = 2
 
-# Places in the state vector; wheel angles follow at ANGLE, and the ledger after them.
-OMEGA, ORIENTATION, POSITION, VELOCITY, ANGLE = 0, 3, 7, 10, 13
-# Places in the ledger: work of the motors, work on the stage, heat of the resistances.
-MOTOR_WORK, STAGE_WORK, HEAT, LEDGER = 0, 1, 2, 3
+# Places in the state vector: Ω, quaternion, velocity and position of the stage, the ledger (work of the motors, work on the
+# stage, heat of the resistances), and one angle a wheel.
+OMEGA, ORIENTATION, VELOCITY, POSITION, MOTOR_WORK, STAGE_WORK, HEAT, ANGLE = 0, 3, 7, 10, 13, 14, 15, 16
 # Columns of ``contacts`` (n, 3, 10), from the row at 0 on; of ``wheels`` (n, 8), from ŵ at 0 on; places in ``body`` (19,),
 # from the inertia's six at 0 on. What they hold is said in ``dynamics.parameters``. Plain arrays: a tuple of arrays costs two
 # counts of references at each look into it, which made the equations twice as slow.
@@ -32,41 +32,6 @@ OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = 6, 9, 1
 
 # What ``enter_state`` leaves in its room: G, whether it is known, and the wheels' share of the inertia.
 KNOWN, SHARE, ROOM = 6, 7, 13
-
-
-@njit(error_model="numpy")
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@njit(error_model="numpy")
-def _cross(a, b):
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@njit(error_model="numpy")
-def _add(a, s, b):
-    """a + s b."""
-    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
-
-
-@njit(error_model="numpy")
-def _times(M, a):
-    """M a of a symmetric matrix."""
-    return (
-        M[0] * a[0] + M[1] * a[1] + M[2] * a[2],
-        M[1] * a[0] + M[3] * a[1] + M[4] * a[2],
-        M[2] * a[0] + M[4] * a[1] + M[5] * a[2],
-    )
-
-
-@njit(error_model="numpy")
-def _add_dyad(M, s, a):
-    """M + s a aᵀ."""
-    return (
-        M[0] + s * a[0] * a[0], M[1] + s * a[0] * a[1], M[2] + s * a[0] * a[2],
-        M[3] + s * a[1] * a[1], M[4] + s * a[1] * a[2], M[5] + s * a[2] * a[2],
-    )  # fmt: skip
 
 
 @njit(error_model="numpy")
@@ -84,37 +49,95 @@ def _grip(contacts, w, k):
     return contacts[w, k, GRIP], contacts[w, k, GRIP + 1], contacts[w, k, GRIP + 2]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _at(y, i):
     return y[i], y[i + 1], y[i + 2]
 
 
-@njit(error_model="numpy")
-def inverse(M):
-    """Inverse of a symmetric matrix, and whether it has one."""
-    c00, c01, c02 = M[3] * M[5] - M[4] * M[4], M[2] * M[4] - M[1] * M[5], M[1] * M[4] - M[2] * M[3]
-    det = M[0] * c00 + M[1] * c01 + M[2] * c02
-    size = (abs(M[0]) + abs(M[1]) + abs(M[2])) * (abs(M[1]) + abs(M[3]) + abs(M[4])) * (abs(M[2]) + abs(M[4]) + abs(M[5]))
-    fine = abs(det) > 1e-14 * size
-    f = 1.0 / det if fine else 0.0
-    c11, c12, c22 = M[0] * M[5] - M[2] * M[2], M[1] * M[2] - M[0] * M[4], M[0] * M[3] - M[1] * M[1]
-    return (f * c00, f * c01, f * c02, f * c11, f * c12, f * c22), fine
+@njit(error_model="numpy", forceinline=True)
+def _orientation(y):
+    return y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
+
+
+@njit(error_model="numpy", forceinline=True)
+def _six(array, i):
+    return array[i], array[i + 1], array[i + 2], array[i + 3], array[i + 4], array[i + 5]
+
+
+@njit(error_model="numpy", forceinline=True)
+def turned(own, offset, q):
+    """Inertia tensor and centre of mass in the inertial frame: A I_b Aᵀ and A ρ_b, A the rotation of the quaternion ``q``.
+
+    Stages of a step leave the unit sphere by the step's error: the rotation is taken of the quaternion's direction.
+    """
+    r0, r1, r2 = rotation_rows(q)
+    k0, k1, k2 = times(own, r0), times(own, r1), times(own, r2)
+    inertia = (dot(r0, k0), dot(r0, k1), dot(r0, k2), dot(r1, k1), dot(r1, k2), dot(r2, k2))
+    return inertia, (dot(r0, offset), dot(r1, offset), dot(r2, offset))
 
 
 @njit(error_model="numpy")
-def turned(body, y):
-    """Inertia tensor and centre of mass in the inertial frame: A I_b Aᵀ and A ρ_b, A the rotation of y's quaternion."""
-    w, a, b, c = y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
-    # Stages of a step leave the unit sphere by the step's error: the rotation is taken of the quaternion's direction.
-    s = 2.0 / (w * w + a * a + b * b + c * c)
-    row0 = (1 - s * (b * b + c * c), s * (a * b - w * c), s * (a * c + w * b))
-    row1 = (s * (a * b + w * c), 1 - s * (a * a + c * c), s * (b * c - w * a))
-    row2 = (s * (a * c - w * b), s * (b * c + w * a), 1 - s * (a * a + b * b))
-    r = _at(body, OFFSET)
-    own = (body[0], body[1], body[2], body[3], body[4], body[5])
-    k0, k1, k2 = _times(own, row0), _times(own, row1), _times(own, row2)
-    inertia = (_dot(row0, k0), _dot(row0, k1), _dot(row0, k2), _dot(row1, k1), _dot(row1, k2), _dot(row2, k2))
-    return inertia, (_dot(row0, r), _dot(row1, r), _dot(row2, r))
+def turned_body(body, y):
+    """``turned`` for the body's own inertia and offset and the orientation in ``y``."""
+    return turned(_six(body, 0), _at(body, OFFSET), _orientation(y))
+
+
+@njit(error_model="numpy", forceinline=True)
+def felt_inertia(I, W, rho, mass, share):
+    """I_s + J⁻ᵀ I_w J⁻¹ (``W``), less what a freely moving stage takes off an offset mass: M_s s (ρ² E − ρ ρᵀ), s = M_s/M."""
+    taken = mass * share
+    square = taken * dot(rho, rho)
+    M = (I[0] + W[0] - square, I[1] + W[1], I[2] + W[2], I[3] + W[3] - square, I[4] + W[4], I[5] + W[5] - square)
+    return add_dyad(M, taken, rho)
+
+
+@njit(error_model="numpy", forceinline=True)
+def known_moment(I, rho, Omega, mass, gravity, a, share):
+    """Moments that know nothing of the unknowns, −Ω × I Ω + ρ × M_s (g − p̈); p̈ without Ω̇'s own part in it; Ω × (Ω × ρ).
+
+    ``a`` is the stage's acceleration but for what the offset mass does to it, which ``share`` = M_s/M brings in.
+    """
+    centripetal = cross(Omega, cross(Omega, rho))
+    a = add(a, -share, centripetal)
+    moment = add(cross(times(I, Omega), Omega), mass, cross(rho, add(gravity, -1.0, a)))
+    return moment, a, centripetal
+
+
+@njit(error_model="numpy", forceinline=True)
+def stage_power(mass, moving, p_rate, swing, centripetal, v):
+    """P·v of the force on the stage: P = M p̈ + M_s (Ω̇ × ρ + Ω × (Ω × ρ)), given or what its prescribed motion takes."""
+    force = (moving * p_rate[0], moving * p_rate[1], moving * p_rate[2])
+    return dot(add(force, mass, add(swing, 1.0, centripetal)), v)
+
+
+@njit(error_model="numpy", forceinline=True)
+def driven(own, offset, W, mass, moving, share, gravity, a, moment, Omega, q, v):
+    """Ω̇, p̈, power of the motors and on the stage for wheels driven by torques, without resistances; and whether there is Ω̇.
+
+        (I_s + J⁻ᵀ I_w J⁻¹) Ω̇ = J⁻ᵀ T − Ω × I_s Ω + ρ × M_s (g − p̈)
+
+    The wheels take part by ``W`` = J⁻ᵀ I_w J⁻¹ and ``moment`` = J⁻ᵀ T alone, whatever their number.
+    """
+    I, rho = turned(own, offset, q)
+    known, a, centripetal = known_moment(I, rho, Omega, mass, gravity, a, share)
+    M_inverse, fine = inverse(felt_inertia(I, W, rho, mass, share))
+    x = times(M_inverse, add(known, 1.0, moment))
+    swing = cross(x, rho)
+    p_rate = add(a, -share, swing)
+    return x, p_rate, dot(moment, Omega), stage_power(mass, moving, p_rate, swing, centripetal, v), fine
+
+
+@njit(error_model="numpy", forceinline=True)
+def stage_share(body, stage_kind):
+    """M_s/M of a stage that moves freely under its force, 0 of any other."""
+    return body[SPHERE_MASS] / body[MOVING_MASS] if stage_kind == FORCE else 0.0
+
+
+@njit(error_model="numpy", forceinline=True)
+def stage_push(body, stage_kind, stage):
+    """The stage's acceleration but for the offset mass: P/M of a force, itself where it is prescribed."""
+    factor = 1.0 / body[MOVING_MASS] if stage_kind == FORCE else (1.0 if stage_kind == ACCELERATION else 0.0)
+    return factor * stage[0], factor * stage[1], factor * stage[2]
 
 
 @njit(error_model="numpy")
@@ -127,7 +150,7 @@ def blend_rows(contacts, state, Omega):
     """
     for w in range(state.size):
         if state[w] == RESTING:
-            s0, s1 = _dot(_row(contacts, w, 0), Omega), _dot(_row(contacts, w, 1), Omega)
+            s0, s1 = dot(_row(contacts, w, 0), Omega), dot(_row(contacts, w, 1), Omega)
             share = s1 / (s1 - s0) if s1 != s0 else 0.5
             for i in range(3):
                 contacts[w, RESTING, i] = share * contacts[w, 0, i] + (1.0 - share) * contacts[w, 1, i]
@@ -143,25 +166,13 @@ def enter_state(contacts, wheels, state, room):
     """
     S = W = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for w in range(state.size):
-        S = _add_dyad(S, 1.0, _normal(contacts, w, state[w]))
+        S = add_dyad(S, 1.0, _normal(contacts, w, state[w]))
         if state[w] != RESTING:
-            W = _add_dyad(W, wheels[w, WHEEL_INERTIA], _row(contacts, w, state[w]))
+            W = add_dyad(W, wheels[w, WHEEL_INERTIA], _row(contacts, w, state[w]))
     G, known = inverse(S)
     for i in range(6):
         room[i], room[SHARE + i] = G[i], W[i]
     room[KNOWN] = 1.0 if known else 0.0
-
-
-@njit(error_model="numpy")
-def effective_inertia(body, stage_kind, I, rho, room):
-    """I_s + J⁻ᵀ I_w J⁻¹, less what a freely moving stage takes off an offset mass: (M_s²/M)(ρ² E − ρ ρᵀ)."""
-    s = SHARE
-    M = (I[0] + room[s], I[1] + room[s + 1], I[2] + room[s + 2], I[3] + room[s + 3], I[4] + room[s + 4], I[5] + room[s + 5])
-    if stage_kind == FORCE:
-        share = body[SPHERE_MASS] * body[SPHERE_MASS] / body[MOVING_MASS]
-        square = share * _dot(rho, rho)
-        M = _add_dyad((M[0] - square, M[1], M[2], M[3] - square, M[4], M[5] - square), share, rho)
-    return M
 
 
 @njit(error_model="numpy")
@@ -175,7 +186,7 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     normal forces and friction are left out where the motion does not depend on them.
     """
     n = state.size
-    I, rho = turned(body, y)
+    I, rho = turned_body(body, y)
     x = (0.0, 0.0, 0.0)
     if drive_kind == SPHERE_VELOCITY:
         for i in range(3):
@@ -189,49 +200,36 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
         y[OMEGA], y[OMEGA + 1], y[OMEGA + 2] = Omega
     Omega = _at(y, OMEGA)
     blend_rows(contacts, state, Omega)
-    M = effective_inertia(body, stage_kind, I, rho, room)
+    share, mass, gravity = stage_share(body, stage_kind), body[SPHERE_MASS], _at(body, WEIGHT)
+    M = felt_inertia(I, _six(room, SHARE), rho, mass, share)
     M_inverse, fine = inverse(M)
     if not fine:
         return False
-    # Ω × (Ω × ρ): what the offset mass feels besides Ω̇.
-    centripetal = _cross(Omega, _cross(Omega, rho))
-    a = (0.0, 0.0, 0.0)
-    share = 0.0
-    if stage_kind == FORCE:
-        share = body[SPHERE_MASS] / body[MOVING_MASS]
-        a = _add(
-            (stage[0] / body[MOVING_MASS], stage[1] / body[MOVING_MASS], stage[2] / body[MOVING_MASS]), -share, centripetal
-        )
-    elif stage_kind == ACCELERATION:
-        a = (stage[0], stage[1], stage[2])
-    gravity = _at(body, WEIGHT)
-    # Moments that know nothing of the unknowns: −Ω × I Ω + ρ × M_s (g − p̈), p̈ without Ω̇'s own part in it.
-    L = _times(I, Omega)
-    known = _add(_cross(L, Omega), body[SPHERE_MASS], _cross(rho, _add(gravity, -1.0, a)))
-    resisting = _resists(body, wheels)
+    known, a, centripetal = known_moment(I, rho, Omega, mass, gravity, stage_push(body, stage_kind, stage), share)
+    resisting = resists(body, wheels)
     for w in range(n):
         out[n + w] = 0.0
     for _ in range(60):
         b = known
         if resisting:
             for w in range(n):
-                b = _add(b, 1.0, _resisting_moment(body, contacts, wheels, w, state[w], Omega, out[n + w]))
+                b = add(b, 1.0, _resisting_moment(body, contacts, wheels, w, state[w], Omega, out[n + w]))
         if drive_kind == TORQUE:
             for w in range(n):
                 out[w] = drive[w]
-                b = _add(b, drive[w], _row(contacts, w, state[w]))
-            x = _times(M_inverse, b)
-        elif not _needed_torque(contacts, state, _add(_times(M, x), -1.0, b), out):
+                b = add(b, drive[w], _row(contacts, w, state[w]))
+            x = times(M_inverse, b)
+        elif not _needed_torque(contacts, state, add(times(M, x), -1.0, b), out):
             return False
         # The offset mass's own reaction on a free stage.
-        swing = _cross(x, rho)
-        p_rate = _add(a, -share, swing)
+        swing = cross(x, rho)
+        p_rate = add(a, -share, swing)
         if not (forces or resisting):
             _write(x, p_rate, out, n)
             return True
         # What the contacts have to carry besides friction: closure and weight less the sphere's own acceleration.
-        force = _add(_add(gravity, -1.0, p_rate), -1.0, _add(swing, 1.0, centripetal))
-        force = _add(_at(body, CLOSURE), body[SPHERE_MASS], force)
+        force = add(add(gravity, -1.0, p_rate), -1.0, add(swing, 1.0, centripetal))
+        force = add(_at(body, CLOSURE), mass, force)
         change, largest = _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, resisting)
         if not resisting or change <= 1e-14 * largest:
             _write(x, p_rate, out, n)
@@ -248,16 +246,16 @@ def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, r
     n = state.size
     for w in range(n):
         k = state[w]
-        gained = 0.0 if k == RESTING else wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, k), x)
+        gained = 0.0 if k == RESTING else wheels[w, WHEEL_INERTIA] * dot(_row(contacts, w, k), x)
         drag = _wheel_drag(body, contacts, wheels, w, k, Omega, out[n + w]) if resisting else 0.0
         friction = (out[w] + drag - gained) / contacts[w, k, LEVER]
         out[2 * n + w] = friction
-        force = _add(force, friction, _grip(contacts, w, k))
+        force = add(force, friction, _grip(contacts, w, k))
     change, largest = 0.0, 0.0
     if room[KNOWN] == 1.0:
-        carried = _times((room[0], room[1], room[2], room[3], room[4], room[5]), force)
+        carried = times((room[0], room[1], room[2], room[3], room[4], room[5]), force)
         for w in range(n):
-            normal = _dot(_normal(contacts, w, state[w]), carried)
+            normal = dot(_normal(contacts, w, state[w]), carried)
             change = max(change, abs(normal - out[n + w]))
             largest = max(largest, abs(normal))
             out[n + w] = normal
@@ -272,7 +270,7 @@ def _write(x, p_rate, out, n):
 
 
 @njit(error_model="numpy")
-def _resists(body, wheels):
+def resists(body, wheels):
     found = False
     for w in range(wheels.shape[0]):
         found = found or wheels[w, ROLLING_ARM] != 0.0 or wheels[w, SPIN_ARM] * body[FRICTION] != 0.0
@@ -286,10 +284,10 @@ def sphere_from_wheels(contacts, state, wheel_speed):
     for w in range(state.size):
         h = _row(contacts, w, state[w])
         weight = contacts[w, state[w], LEVER] ** 2
-        S = _add_dyad(S, weight, h)
-        b = _add(b, weight * wheel_speed[w], h)
+        S = add_dyad(S, weight, h)
+        b = add(b, weight * wheel_speed[w], h)
     S_inverse, fine = inverse(S)
-    return _times(S_inverse, b), fine
+    return times(S_inverse, b), fine
 
 
 @njit(error_model="numpy")
@@ -300,11 +298,11 @@ def _needed_torque(contacts, state, need, out):
     """
     S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for w in range(state.size):
-        S = _add_dyad(S, 1.0, _row(contacts, w, state[w]))
+        S = add_dyad(S, 1.0, _row(contacts, w, state[w]))
     S_inverse, fine = inverse(S)
-    k = _times(S_inverse, need)
+    k = times(S_inverse, need)
     for w in range(state.size):
-        out[w] = _dot(_row(contacts, w, state[w]), k)
+        out[w] = dot(_row(contacts, w, state[w]), k)
     return fine
 
 
@@ -317,13 +315,13 @@ def _resistance(body, contacts, wheels, w, k, Omega):
     """
     axis = (wheels[w, 0], wheels[w, 1], wheels[w, 2])
     R_hat = _normal(contacts, w, k)
-    speed = 0.0 if k == RESTING else _dot(_row(contacts, w, k), Omega)
-    relative = _add(Omega, -speed, axis)
-    spin = _dot(relative, R_hat)
-    rolling = _add(relative, -spin, R_hat)
-    roll = wheels[w, ROLLING_ARM] / math.sqrt(_dot(rolling, rolling) + body[SMOOTHING] ** 2)
+    speed = 0.0 if k == RESTING else dot(_row(contacts, w, k), Omega)
+    relative = add(Omega, -speed, axis)
+    spin = dot(relative, R_hat)
+    rolling = add(relative, -spin, R_hat)
+    roll = wheels[w, ROLLING_ARM] / math.sqrt(dot(rolling, rolling) + body[SMOOTHING] ** 2)
     twist = body[FRICTION] * wheels[w, SPIN_ARM] * spin / math.sqrt(spin * spin + body[SMOOTHING] ** 2)
-    return _add((roll * rolling[0], roll * rolling[1], roll * rolling[2]), twist, R_hat), relative
+    return add((roll * rolling[0], roll * rolling[1], roll * rolling[2]), twist, R_hat), relative
 
 
 @njit(error_model="numpy")
@@ -347,16 +345,20 @@ def _wheel_drag(body, contacts, wheels, w, k, Omega, normal):
 def heat_rate(body, contacts, wheels, state, y, out):
     """Power that the resistances take: Σ N m · (Ω − ω ŵ), never negative."""
     total, n = 0.0, state.size
-    if _resists(body, wheels):
+    if resists(body, wheels):
         for w in range(n):
             m, relative = _resistance(body, contacts, wheels, w, state[w], _at(y, OMEGA))
-            total += max(out[n + w], 0.0) * _dot(m, relative)
+            total += max(out[n + w], 0.0) * dot(m, relative)
     return total
 
 
 @njit(error_model="numpy")
 def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, dy, out, room):
-    """Time derivative of the state vector ``y`` into ``dy``; False where the equations have no solution."""
+    """Time derivatives of the state vector ``y`` up to its ledger into ``dy``, and of ∫Ω dt in the three places behind it.
+
+    Only Ω, quaternion and velocity are read of ``y``, and its Ω is set where the drive prescribes it. False where the
+    equations have no solution.
+    """
     n = state.size
     if not solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, False):
         return False
@@ -364,36 +366,19 @@ def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     x, a = _at(out, 3 * n), _at(out, 3 * n + 3)
     work = 0.0
     for w in range(n):
-        speed = 0.0 if state[w] == RESTING else _dot(_row(contacts, w, state[w]), Omega)
-        dy[ANGLE + w] = speed
-        work += out[w] * speed
+        if state[w] != RESTING:
+            work += out[w] * dot(_row(contacts, w, state[w]), Omega)
+    _, rho = turned_body(body, y)
+    centripetal = cross(Omega, cross(Omega, rho))
+    dy[MOTOR_WORK] = work
+    dy[STAGE_WORK] = stage_power(body[SPHERE_MASS], body[MOVING_MASS], a, cross(x, rho), centripetal, v)
+    dy[HEAT] = heat_rate(body, contacts, wheels, state, y, out)
+    turning = quaternion_rate(Omega, _orientation(y))
+    for i in range(4):
+        dy[ORIENTATION + i] = turning[i]
     for i in range(3):
-        dy[OMEGA + i] = x[i]
-        dy[POSITION + i] = v[i]
-        dy[VELOCITY + i] = a[i]
-    w, q = y[ORIENTATION], _at(y, ORIENTATION + 1)
-    turning = _add(_cross(Omega, q), w, Omega)
-    dy[ORIENTATION] = -0.5 * _dot(Omega, q)
-    for i in range(3):
-        dy[ORIENTATION + 1 + i] = 0.5 * turning[i]
-    ledger = ANGLE + n
-    dy[ledger + MOTOR_WORK] = work
-    dy[ledger + STAGE_WORK] = _dot(_stage_force(body, stage_kind, x, a, stage, y), v)
-    dy[ledger + HEAT] = heat_rate(body, contacts, wheels, state, y, out)
+        dy[OMEGA + i], dy[VELOCITY + i], dy[POSITION + i], dy[ANGLE + i] = x[i], a[i], v[i], Omega[i]
     return True
-
-
-@njit(error_model="numpy")
-def _stage_force(body, stage_kind, x, a, stage, y):
-    """P on the stage: as given, or what its prescribed motion takes; nothing where it stands still."""
-    if stage_kind == FORCE:
-        return stage[0], stage[1], stage[2]
-    if stage_kind == STILL:
-        return 0.0, 0.0, 0.0
-    _, rho = turned(body, y)
-    Omega = _at(y, OMEGA)
-    offset = _add(_cross(x, rho), 1.0, _cross(Omega, _cross(Omega, rho)))
-    return _add((body[MOVING_MASS] * a[0], body[MOVING_MASS] * a[1], body[MOVING_MASS] * a[2]), body[SPHERE_MASS], offset)
 
 
 @njit(error_model="numpy")
@@ -402,17 +387,22 @@ def energy(body, contacts, wheels, state, y):
 
     ½ M v² + M_s v·(Ω × ρ) + ½ Ω·I Ω + ½ Σ I_w ω²; the weight's work on the stage's own motion is the gantry's.
     """
-    I, rho = turned(body, y)
+    I, rho = turned_body(body, y)
     Omega, v = _at(y, OMEGA), _at(y, VELOCITY)
     kinetic = (
-        0.5 * body[MOVING_MASS] * _dot(v, v)
-        + body[SPHERE_MASS] * _dot(v, _cross(Omega, rho))
-        + 0.5 * _dot(Omega, _times(I, Omega))
+        0.5 * body[MOVING_MASS] * dot(v, v) + body[SPHERE_MASS] * dot(v, cross(Omega, rho)) + 0.5 * dot(Omega, times(I, Omega))
     )
     for w in range(state.size):
         if state[w] != RESTING:
-            kinetic += 0.5 * wheels[w, WHEEL_INERTIA] * _dot(_row(contacts, w, state[w]), Omega) ** 2
-    return kinetic, -body[SPHERE_MASS] * _dot(_at(body, WEIGHT), rho)
+            kinetic += 0.5 * wheels[w, WHEEL_INERTIA] * dot(_row(contacts, w, state[w]), Omega) ** 2
+    return kinetic, -body[SPHERE_MASS] * dot(_at(body, WEIGHT), rho)
+
+
+@njit(error_model="numpy")
+def energies(body, contacts, wheels, states, y, kinetic, potential):
+    """``energy`` of the samples ``states`` (k, n), ``y`` (k, size) into ``kinetic`` and ``potential`` (k,)."""
+    for i in range(y.shape[0]):
+        kinetic[i], potential[i] = energy(body, contacts, wheels, states[i], y[i])
 
 
 @njit(error_model="numpy")
@@ -424,25 +414,24 @@ def impact(body, contacts, wheels, stage_kind, before, after, y, room):
     A free stage takes part: M Δv = −M_s ΔΩ × ρ. A wheel that comes to rest between its races gives its spin to the sphere
     through its mean row. ``room`` is that of ``after``. False where the equations have no solution.
     """
-    I, rho = turned(body, y)
+    I, rho = turned_body(body, y)
     Omega = _at(y, OMEGA)
     blend_rows(contacts, before, Omega)
     blend_rows(contacts, after, Omega)
-    M = effective_inertia(body, stage_kind, I, rho, room)
+    share = stage_share(body, stage_kind)
+    M = felt_inertia(I, _six(room, SHARE), rho, body[SPHERE_MASS], share)
     # M (Ω⁺ − Ω⁻) = J₂⁻ᵀ I_w (ω⁻ − J₂⁻¹ Ω⁻): nothing happens to wheels whose row stays.
     b = (0.0, 0.0, 0.0)
     for w in range(after.size):
         if before[w] != RESTING or after[w] != RESTING:
             h1, h2 = _row(contacts, w, before[w]), _row(contacts, w, after[w])
-            b = _add(b, wheels[w, WHEEL_INERTIA] * (_dot(h1, Omega) - _dot(h2, Omega)), h2)
+            b = add(b, wheels[w, WHEEL_INERTIA] * (dot(h1, Omega) - dot(h2, Omega)), h2)
             if after[w] == RESTING:
-                M = _add_dyad(M, wheels[w, WHEEL_INERTIA], h2)
+                M = add_dyad(M, wheels[w, WHEEL_INERTIA], h2)
     M_inverse, fine = inverse(M)
-    x = _times(M_inverse, b)
-    if stage_kind == FORCE:
-        kick = _cross(x, rho)
-        for i in range(3):
-            y[VELOCITY + i] -= body[SPHERE_MASS] / body[MOVING_MASS] * kick[i]
+    x = times(M_inverse, b)
+    kick = cross(x, rho)
     for i in range(3):
+        y[VELOCITY + i] -= share * kick[i]
         y[OMEGA + i] += x[i]
     return fine

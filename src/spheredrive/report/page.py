@@ -34,6 +34,7 @@ from spheredrive.report.figures.loads import (
     ledger_sentence,
     motor_caption,
     motor_figure,
+    preload_sentence,
 )
 from spheredrive.report.figures.projection import FROM_ABOVE, FROM_SIDE
 from spheredrive.report.figures.race_error import race_error_caption, race_error_figure
@@ -179,7 +180,7 @@ def _load_parts(dynamics: Dynamics | str | None) -> list[Part]:
     return [
         _drawn("motors", "Motors", motor_caption(loads), lambda: motor_figure(run, loads)),
         _drawn("forces", "Contact forces", contact_force_caption(moved), lambda: contact_force_figure(run, loads)),
-        Part("sizing", "What each wheel has to bear", ledger_sentence(moved), table=sizing),
+        Part("sizing", "What each wheel has to bear", f"{preload_sentence(moved)} {ledger_sentence(moved)}", table=sizing),
     ]
 
 

@@ -11,6 +11,7 @@ from spheredrive.errors import SpheredriveError
 from spheredrive.motion import Motion, Series
 
 KINDS = {"wheel-torque": TORQUE, "wheel-speed": WHEEL_SPEED, "sphere-velocity": SPHERE_VELOCITY}
+AT_REST = Series((0.0,), ((0.0, 0.0, 0.0),))
 
 
 class Start(NamedTuple):
@@ -32,15 +33,22 @@ def inputs_of(motion: Motion, torque_limit: float | None = None) -> tuple[np.nda
     stage, start = _stage(motion)
     knots = [0.0, motion.duration, *drive.time, *stage.time]
     knots = np.unique([t for t in knots if 0.0 <= t <= motion.duration])
-    first, last = knots[:-1], knots[1:]
-    ends = [first[:, None], last[:, None]]
-    values = [drive.at(first), drive.at(last, side="left"), stage.at(first), stage.at(last, side="left")]
-    return np.hstack([*ends, *values]), start
+    return np.hstack([knots[:-1, None], knots[1:, None], _ends(drive, knots), _ends(stage, knots)]), start
+
+
+def _ends(series: Series, knots) -> np.ndarray:
+    """Values at the begin and at the end of every piece between ``knots``, (pieces, 2 c)."""
+    if series.interpolation == "linear":
+        values = series.at(knots)
+        return np.hstack([values[:-1], values[1:]])
+    return np.hstack([series.at(knots[:-1]), series.at(knots[1:], side="left")])
 
 
 def _limited(series: Series, limit: float) -> Series:
     """The series cut off at ± limit, with new times where a straight piece crosses it."""
-    time, values = np.array(series.time), np.array(series.values)
+    time, values = series.arrays
+    if np.abs(values).max() <= limit:
+        return series
     if series.interpolation == "step":
         return Series(series.time, _rows(np.clip(values, -limit, limit)), "step")
     crossings = []
@@ -56,13 +64,13 @@ def _limited(series: Series, limit: float) -> Series:
 def _stage(motion: Motion) -> tuple[Series, Start]:
     zero = np.zeros(3)
     if motion.stage is None:
-        return Series((0.0,), ((0.0, 0.0, 0.0),)), Start(STILL, zero, zero)
+        return AT_REST, Start(STILL, zero, zero)
     series = motion.stage.series
     if motion.stage.kind == "force":
         return series, Start(FORCE, zero, zero)
     position = np.array(series.values)
     if len(position) == 1:
-        return Series((0.0,), ((0.0, 0.0, 0.0),)), Start(ACCELERATION, position[0], zero)
+        return AT_REST, Start(ACCELERATION, position[0], zero)
     if series.interpolation == "step":
         raise SpheredriveError("a stage cannot jump: give its position with linear interpolation between more times")
     if series.time[0] > 0 or series.time[-1] < motion.duration:

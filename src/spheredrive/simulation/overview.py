@@ -9,7 +9,8 @@ import numpy as np
 
 from spheredrive.checking import Finding
 from spheredrive.design import Design
-from spheredrive.dynamics.loads import Loads, loads
+from spheredrive.dynamics.loads import Loads, Preload, least_preload_of_run, loads, pressing_direction
+from spheredrive.errors import SpheredriveError
 from spheredrive.simulation.rolling_run import RollingRun
 
 
@@ -22,6 +23,8 @@ class Overview:
     race_changes    how often a wheel changed its race
     residual        largest residual of the energy ledger, J
     energy          largest energy that moved through the ledger, J: what the residual is to be held against
+    preload         least force on top of the design's own closure that keeps every contact of this run inside its friction
+                    limit, pressed towards the wheels; or the sentence that says why there is none
     """
 
     name: str
@@ -36,6 +39,7 @@ class Overview:
     residual: float
     energy: float
     loads: Loads | None
+    preload: Preload | str
     findings: tuple[Finding, ...]
 
     @property
@@ -59,6 +63,7 @@ class Overview:
             "ledger_residual_j": _finite(self.residual),
             "friction_utilisation": _extreme(self.worst_utilisation, "utilisation", ""),
             "least_normal_force": _extreme(self.least_normal, "least_normal", "n"),
+            "least_preload": self._preload_dict(),
             "wheels": [self._peak_dict(peak) for peak in peaks],
             "findings": [{"code": f.code, "severity": f.severity, "message": f.message} for f in self.findings],
         }
@@ -73,6 +78,12 @@ class Overview:
             missing = name.startswith("least_normal") and not known
             found[f"{name}_{unit}" if unit else name] = None if missing else _finite(value)
         return found
+
+    def _preload_dict(self) -> dict | None:
+        p = self.preload
+        if isinstance(p, str):
+            return None
+        return {"force_n": p.force, "direction": list(p.direction), "wheel": p.wheel or None, "time_s": p.time}
 
     @property
     def worst_utilisation(self):
@@ -109,8 +120,16 @@ def overview(design: Design, run: RollingRun, model: str = "rolling") -> Overvie
         residual=float(np.abs(run.residual).max(initial=0.0)),
         energy=max(float(np.abs(part).max(initial=0.0)) for part in ledger),
         loads=found,
+        preload=_preload(design, run) if sampled else run.reason,
         findings=findings,
     )
+
+
+def _preload(design: Design, run: RollingRun) -> Preload | str:
+    try:
+        return least_preload_of_run(design, run, pressing_direction(design))
+    except SpheredriveError as error:
+        return str(error)
 
 
 def _extreme(peak, name: str, unit: str) -> dict | None:

@@ -10,7 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spheredrive.dynamics.parameters import rolling_parameters
-from spheredrive.dynamics.rolling import ANGLE, HALF_PITCH, LEDGER, OMEGA, ORIENTATION, POSITION, RESTING, STILL, WHEEL_SPEED
+from spheredrive.dynamics.rolling import (
+    ANGLE,
+    HALF_PITCH,
+    HEAT,
+    MOTOR_WORK,
+    OMEGA,
+    ORIENTATION,
+    POSITION,
+    RESTING,
+    STAGE_WORK,
+    STILL,
+    VELOCITY,
+    WHEEL_SPEED,
+)
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics import active_races, jacobian, slip
 from spheredrive.simulation.inputs import KINDS, inputs_of
@@ -22,6 +35,8 @@ if TYPE_CHECKING:
 # Steps between two looks at the outside world: a progress bar, a wish to stop.
 STEPS_AT_ONCE = 20_000
 FIRST_EVENTS = 4096
+# What the engine keeps of a run's rates: ``simulation.lanes.SIZE``, which would load the compiler here.
+RATES = 19
 # No wheel turns faster, rad/s, a million turns a minute: races would change more often than a run can follow.
 FASTEST = 1e5
 TOO_FAST = 7
@@ -107,13 +122,14 @@ def run_rolling_batch(
     All runs must have the same number of wheels, kind of drive, duration and samples. Raises as ``run_rolling``.
     """
     count = max(len(designs), len(motions))
-    designs, motions = _spread(designs, count, "designs"), _spread(motions, count, "motions")
+    designs, motions = spread(designs, count, "designs"), spread(motions, count, "motions")
     arrays = _Arrays(designs, motions, tolerance)
     arrays.advance(watch)
     return [arrays.run(i) for i in range(count)]
 
 
-def _spread(values: Sequence, count: int, name: str) -> list:
+def spread(values: Sequence, count: int, name: str) -> list:
+    """One value for each of ``count`` runs; a single one serves for all."""
     if len(values) not in (1, count):
         raise SpheredriveError(f"{len(values)} {name} do not fit {count} runs: give one for all or one each")
     return list(values) * (count if len(values) == 1 else 1)
@@ -140,9 +156,9 @@ class _Arrays:
         self.pieces = np.array(pieces)
         last = math.floor(first.duration * first.sample_rate * (1 + 1e-12) + 1e-9)
         self.samples = np.arange(last + 1) / first.sample_rate
-        count, size, k = len(designs), ANGLE + n + LEDGER, len(self.samples)
+        count, size, k = len(designs), ANGLE + n, len(self.samples)
         self.y = np.zeros((count, size))
-        self.rate = np.zeros_like(self.y)
+        self.rate = np.zeros((count, RATES))
         self.pitch = np.zeros((count, n), np.int64)
         self.resting = np.zeros((count, n), np.int64)
         for b, (design, motion, start) in enumerate(zip(designs, motions, starts, strict=True)):
@@ -159,30 +175,33 @@ class _Arrays:
         self.states = np.zeros((count, k, n), np.int64)
         self.events = np.zeros((count, FIRST_EVENTS if count == 1 else 256, 6))
         self.status = np.ones(count, np.int64)
-        self.energy_at_start = [self._energy(b) for b in range(count)]
+        self.energy_at_start = [self._energy_at_start(b) for b in range(count)]
 
-    def _energy(self, b: int) -> float:
-        from spheredrive.dynamics.rolling import energy
-
-        state = np.where(np.isfinite(self.raw[b].wheels[:, HALF_PITCH]), self.pitch[b] % 2, 0)
-        return sum(energy(*self.raw[b], state, self.y[b]))
+    def _energy_at_start(self, b: int) -> float:
+        states = np.where(np.isfinite(self.raw[b].wheels[:, HALF_PITCH]), self.pitch[b] % 2, 0)
+        kinetic, potential = self._energies(b, self.y[b : b + 1], states[None])
+        return kinetic[0] + potential[0]
 
     def advance(self, watch) -> None:
-        from spheredrive.simulation.rolling_engine import EVENTS_FULL, RUNNING, advance_all
+        from spheredrive.simulation import rolling_engine as engine
 
-        steps = STEPS_AT_ONCE
-        while (self.status == RUNNING).any():
-            advance_all(
-                *self.parameters, self.kinds, self.pieces, self.samples, self.control, self.y, self.rate, self.pitch,
-                self.resting, self.clock, self.counters, self.sampled, self.results, self.states, self.events, steps,
-                self.status,
-            )  # fmt: skip
-            full = self.status == EVENTS_FULL
+        machine, steps = engine.Machine(*self.parameters), STEPS_AT_ONCE
+        task = engine.Task(self.kinds, self.pieces, self.samples, self.control)
+        progress = engine.Progress(self.y, self.rate, self.pitch, self.resting, self.clock, self.counters)
+        few = len(self.status) <= engine.LANES
+        while (self.status == engine.RUNNING).any():
+            record = engine.Record(self.sampled, self.results, self.states, self.events)
+            if few:
+                # Starting threads takes longer than a short run.
+                engine.advance(machine, task, progress, record, 0, len(self.status), steps, self.status)
+            else:
+                engine.advance_on_all_cores(machine, task, progress, record, steps, self.status)
+            full = self.status == engine.EVENTS_FULL
             if full.any():
                 self.events = np.concatenate([self.events, np.zeros_like(self.events)], axis=1)
-                self.status[full] = RUNNING
+                self.status[full] = engine.RUNNING
                 self.counters[full, 5] = 0
-            self.status[(self.status == RUNNING) & self._too_fast()] = TOO_FAST
+            self.status[(self.status == engine.RUNNING) & self._too_fast()] = TOO_FAST
             if watch is not None:
                 watch(float(np.mean(self.clock[:, 0]) / self.pieces[0, -1, 1]))
 
@@ -198,10 +217,10 @@ class _Arrays:
         y, out, states, time = y[:done], self.results[b, :done], self.states[b, :done], self.samples[:done]
         events = self.events[b, : int(self.counters[b, 2])]
         row = self.raw[b].contacts[np.arange(n), states, :3]
-        ledger = y[:, ANGLE + n :]
+        work, stage_work, heat = y[:, MOTOR_WORK], y[:, STAGE_WORK], y[:, HEAT]
         lost = np.concatenate([[0.0], np.cumsum(events[:, 2])])[np.searchsorted(events[:, 0], time, side="right")]
         kinetic, potential = self._energies(b, y, states)
-        residual = kinetic + potential - self.energy_at_start[b] + ledger[:, 2] + lost - ledger[:, 0] - ledger[:, 1]
+        residual = kinetic + potential - self.energy_at_start[b] + heat + lost - work - stage_work
         return RollingRun(
             completed=status == 0,
             reason=_REASONS[status].format(time=self.clock[b, 0]),
@@ -216,11 +235,11 @@ class _Arrays:
             normal_force=out[:, n : 2 * n],
             friction_force=out[:, 2 * n : 3 * n],
             stage_position=y[:, POSITION : POSITION + 3],
-            stage_velocity=y[:, POSITION + 3 : POSITION + 6],
+            stage_velocity=y[:, VELOCITY : VELOCITY + 3],
             stage_acceleration=out[:, 3 * n + 3 :],
-            motor_work=ledger[:, 0],
-            stage_work=ledger[:, 1],
-            heat=ledger[:, 2],
+            motor_work=work,
+            stage_work=stage_work,
+            heat=heat,
             kinetic=kinetic,
             potential=potential,
             impact_loss=lost,
@@ -232,10 +251,11 @@ class _Arrays:
         )
 
     def _energies(self, b: int, y, states) -> tuple[np.ndarray, np.ndarray]:
-        from spheredrive.dynamics.rolling import energy
+        from spheredrive.dynamics.rolling import energies
 
-        pairs = np.array([energy(*self.raw[b], states[i], y[i]) for i in range(len(y))]).reshape(-1, 2)
-        return pairs[:, 0], pairs[:, 1]
+        kinetic, potential = np.empty(len(y)), np.empty(len(y))
+        energies(*self.raw[b], states, y, kinetic, potential)
+        return kinetic, potential
 
 
 def _refuse_mixed_batch(designs, motions, pieces, starts) -> None:
@@ -283,11 +303,11 @@ def _refuse_disagreeing_speeds(design: Design, pieces) -> None:
 
 def _initial_state(design: Design, motion: Motion, start) -> np.ndarray:
     n = design.wheel_count
-    y = np.zeros(ANGLE + n + LEDGER)
+    y = np.zeros(ANGLE + n)
     if motion.angular_velocity is not None:
         y[OMEGA : OMEGA + 3] = motion.angular_velocity
     y[ORIENTATION : ORIENTATION + 4] = np.array(motion.orientation) / np.linalg.norm(motion.orientation)
-    y[POSITION : POSITION + 3], y[POSITION + 3 : POSITION + 6] = start.position, start.velocity
+    y[POSITION : POSITION + 3], y[VELOCITY : VELOCITY + 3] = start.position, start.velocity
     if motion.wheel_angle is not None:
         y[ANGLE : ANGLE + n] = motion.wheel_angle
     if motion.kind != "wheel-torque":

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from spheredrive.errors import UnknownNameError
-from spheredrive.simulation.rolling_run import RollingRun, Tolerance, run_rolling
+from spheredrive.simulation.rolling_run import RollingRun, Tolerance, run_rolling, run_rolling_batch, spread
 
 if TYPE_CHECKING:
     import xarray
@@ -54,7 +55,51 @@ def simulate_run(
     """``simulate``, with the arrays that the dataset was made of: what ``dynamics.loads`` takes."""
     from spheredrive.simulation.dataset import labelled
 
-    if model not in MODELS:
-        raise UnknownNameError("model", model, MODELS)
+    _require_model(model)
     run = run_rolling(design, motion, tolerance, watch)
     return Simulation(run, labelled(design, motion, run, tolerance))
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Many runs: ``runs`` as arrays, and each as a labelled dataset when it is asked for, ``batch[i]``."""
+
+    designs: tuple[Design, ...]
+    motions: tuple[Motion, ...]
+    runs: tuple[RollingRun, ...]
+    tolerance: Tolerance
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __getitem__(self, i: int) -> xarray.Dataset:
+        from spheredrive.simulation.dataset import labelled
+
+        return labelled(self.designs[i], self.motions[i], self.runs[i], self.tolerance)
+
+
+def simulate_batch(
+    designs: Design | Sequence[Design],
+    motions: Motion | Sequence[Motion],
+    model: str = "rolling",
+    *,
+    tolerance: Tolerance = Tolerance(),  # noqa: B008 - a frozen value
+    watch: Callable[[float], None] | None = None,
+) -> Batch:
+    """Runs of many designs, many motions, or one of each a run, on all cores; a single one serves for all.
+
+    Each run is what ``simulate`` gives, to the last bit. All must have the same number of wheels, kind of input, duration,
+    sample rate and corners of the inputs. Raises ``SpheredriveError`` where they have not, and as ``simulate``.
+    """
+    _require_model(model)
+    designs = designs if isinstance(designs, Sequence) else [designs]
+    motions = motions if isinstance(motions, Sequence) else [motions]
+    runs = run_rolling_batch(designs, motions, tolerance, watch)
+    return Batch(
+        tuple(spread(designs, len(runs), "designs")), tuple(spread(motions, len(runs), "motions")), tuple(runs), tolerance
+    )
+
+
+def _require_model(model: str) -> None:
+    if model not in MODELS:
+        raise UnknownNameError("model", model, MODELS)

@@ -11,7 +11,7 @@ from spheredrive.report.figures.style import GREY, INK, LIGHT, styled, wheel_col
 from spheredrive.report.figures.thinning import thinned
 from spheredrive.simulation.overview import Overview
 from spheredrive.simulation.rolling_run import RollingRun
-from spheredrive.summary import ratio
+from spheredrive.summary import preload_phrase, ratio
 
 # More lines than these need no legend, and more wheels are drawn as a band from the least to the largest.
 LISTED = 14
@@ -112,6 +112,11 @@ def contact_force_caption(result: Overview) -> str:
     text += f" Most of the friction limit μN is used by wheel {used.wheel} at {used.utilisation_time:.4g} s: "
     text += f"{ratio(used.utilisation)}; above 1 it would slip."
     return text + (f" What lies above {USED_SHOWN:g} is drawn there." if used.utilisation > USED_SHOWN else "")
+
+
+def preload_sentence(result: Overview) -> str:
+    """What preload the run asks for."""
+    return f"Least preload that keeps every contact from slipping: {preload_phrase(result)}."
 
 
 def ledger_sentence(result: Overview) -> str:
