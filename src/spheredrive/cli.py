@@ -184,6 +184,56 @@ def demo(
 
 
 @app.command
+def catalogue(
+    *words: str,
+    wheel_type: Annotated[str | None, Parameter(name="--type")] = None,
+    maker: str | None = None,
+    diameter: str | None = None,
+    rollers: str | None = None,
+    json: Json = False,
+) -> int:
+    """List real wheels that can be bought, with what is published of them; or show one with the source of each figure.
+
+    Parameters
+    ----------
+    words
+        A part, maker/part, to show whole; or words to look for in names and notes.
+    wheel_type
+        Wheel type: standard, dual-race, mecanum ...
+    maker
+        Maker, such as nexus.
+    diameter
+        Diameter from and to, such as "40..110 mm", "40 mm.." or "100 mm".
+    rollers
+        Number of rollers from and to, such as 8..12.
+    """
+    from spheredrive.io.catalogue import parse_range, part, parts
+
+    asked = " ".join(words)
+    if "/" in asked:
+        if any((wheel_type, maker, diameter, rollers)):
+            raise SpheredriveError(f"{asked} names one part, which is shown whole; leave out the filters")
+        chosen = part(asked)
+        if json:
+            _print_json(chosen.as_dict())
+        else:
+            from spheredrive.io.catalogue_text import part_text
+
+            print(part_text(chosen))
+        return 0
+    size = None if diameter is None else parse_range(diameter, "m", "diameter")
+    count = None if rollers is None else parse_range(rollers, "", "rollers")
+    found = parts(wheel_type=wheel_type, maker=maker, diameter=size, rollers=count, text=asked)
+    if json:
+        _print_json([entry.as_dict() for entry in found])
+    else:
+        from spheredrive.io.catalogue_text import parts_text
+
+        print(parts_text(found))
+    return 0
+
+
+@app.command
 def new(file: Path) -> int:
     """Write a commented design file to start from.
 

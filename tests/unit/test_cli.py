@@ -81,6 +81,10 @@ def test_check_of_a_singular_design_exits_1(singular):
         ("demo", "atlas-dualrace"),
         ("report", "absent.toml"),
         ("new", "no/such/folder/x.toml"),
+        ("catalogue", "nexus/1407"),
+        ("catalogue", "--type", "omni"),
+        ("catalogue", "--diameter", "40..110"),
+        ("catalogue", "nexus/14073", "--rollers", "22"),
     ],
 )
 def test_bad_input_exits_2_with_one_sentence_and_no_output(words, tmp_path):
@@ -116,6 +120,17 @@ def test_new_writes_a_design_that_checks_and_is_not_overwritten(tmp_path):
 def test_schema_is_json():
     schema = json.loads(run("schema").stdout)
     assert schema["type"] == "object" and "sphere" in schema["properties"]
+
+
+def test_catalogue_lists_filters_and_shows_one_part():
+    answer = run("catalogue", "--type", "dual-race", "--diameter", "100..130 mm")
+    assert answer.returncode == 0 and answer.stderr == ""
+    assert "nexus/14073" in answer.stdout and "fuji" not in answer.stdout
+    found = json.loads(run("catalogue", "double", "aluminium", "--rollers", "8..30", "--json").stdout)
+    assert [entry["name"] for entry in found] == ["nexus/14073"]
+    whole = run("catalogue", "nexus/14073")
+    assert whole.returncode == 0 and 'catalogue = "nexus/14073"' in whole.stdout
+    assert json.loads(run("catalogue", "nexus/14073", "--json").stdout) == found[0]
 
 
 def test_demo_writes_a_report_and_prints_its_path(tmp_path):

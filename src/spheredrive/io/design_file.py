@@ -62,11 +62,11 @@ def _with_catalogue(data: dict[str, Any], problems: Problems) -> dict[str, Any]:
     for name, table in wheels.items():
         part = table.get("catalogue") if isinstance(table, dict) else None
         entry = catalogue().get(part) if isinstance(part, str) else None
-        merged[name] = table if entry is None else {**entry.keys, **table}
-        if entry is not None and merged[name]["type"] != entry.keys["type"]:
-            problems.add(("wheels", name, "type"), f"{entry.name} is a {entry.keys['type']} wheel in the catalogue")
-            merged[name] = dict(entry.keys)
-        elif entry is None and isinstance(part, str):
+        merged[name] = table
+        if entry is not None:
+            with problems.under("wheels", name):
+                merged[name] = entry.merged(table)
+        elif isinstance(part, str):
             rule = f"{part[:60]!r} is no part of the catalogue{did_you_mean(part[:60], catalogue())}"
             problems.add(("wheels", name, "catalogue"), rule)
     problems.raise_first()
