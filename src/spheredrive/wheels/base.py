@@ -125,11 +125,13 @@ class RollerWheel(Wheel):
     """A wheel whose rollers are described: what all types but the ideal and the measured one share."""
 
     race_count: ClassVar[int] = 1
+    # Whether a turn starts with a gap between two rollers [3.8], not on top of one [4.6], where races do not take turns.
+    gap_comes_first: ClassVar[bool] = False
 
     rollers: int | None = whole("number of rollers, all races together", least=2, default=None)
     roller_radius: float | None = quantity("m", "radius of a roller's cross-section", default=None)
     roller_shape: str = word("shape of a roller", ("barrel", "cylinder", "sphere", "capsule"), default="barrel")
-    roller_length: float | None = quantity("m", "length of a roller along its axis", default=None)
+    roller_length: float | None = quantity("m", "length of a roller along its axis, without round ends", default=None)
     phase: float = quantity("rad", "wheel angle by which the rollers are ahead", sign="any", default=0.0)
     profile: str = word("radial profile of the wheel", ("exact", "half-sine"), default="exact")
 
@@ -154,6 +156,18 @@ class RollerWheel(Wheel):
     @property
     def rollers_per_race(self) -> int | None:
         return None if self.rollers is None else self.rollers // self.race_count
+
+    @property
+    def roller_share(self) -> float | None:
+        """Angle of the turn (rad) that one roller should cover: a pitch, shared with the races that take turns with it."""
+        return None if self.rollers_per_race is None else 2 * math.pi / (self.rollers_per_race * len(self.alternation))
+
+    def half_sine(self, sphere_radius: float) -> tuple[float, float]:
+        """Width (rad of the wheel's angle) and depth (m) of the half sine that stands for a valley in the thesis."""
+        raise DesignError(
+            f"the half sine is defined for standard and mecanum wheels, not for {self.type}; take the exact profile",
+            ("profile",),
+        )
 
     @property
     def phase_angle(self) -> float:
