@@ -38,6 +38,12 @@ def machine():
     return replace(design, sphere=sphere)
 
 
+def round_wheels(design):
+    """The same machine on wheels that never change their races."""
+    placements = tuple(replace(p, wheel=IdealWheel(radius=p.wheel.radius, mass=p.wheel.mass)) for p in design.placements)
+    return replace(design, placements=placements, stage=Stage(5.0, True))
+
+
 def motion(duration: float = 10.0, phase: float = 0.0) -> Motion:
     """Torques that run straight between second marks."""
     t = np.arange(int(duration) + 1.0)
@@ -82,11 +88,18 @@ def linear() -> None:
     print("\ncost by duration and by batch")
     for duration in (10, 20, 40, 80):
         seconds = best(lambda d=duration: run_rolling(design, motion(d)), 5)
-        print(f"  {duration:4d} s        {seconds * 1e3:10.2f} ms   {seconds / duration * 1e3:.3f} ms a second")
+        changes = len(run_rolling(design, motion(duration)).event_time)
+        print(
+            f"  {duration:4d} s        {seconds * 1e3:10.2f} ms   {seconds / duration * 1e3:.3f} ms a second, "
+            f"{changes / duration:.0f} changes of race in each"
+        )
     for count in (64, 256, 1024):
         motions = [motion(phase=0.001 * i) for i in range(count)]
         seconds = best(lambda m=motions: run_rolling_batch([design], m), 3)
         print(f"  {count:4d} runs     {seconds * 1e3:10.2f} ms   {seconds / count * 1e3:.3f} ms a run")
+    for duration in (10, 20, 40, 80):
+        seconds = best(lambda d=duration: run_rolling(round_wheels(design), motion(d)), 5)
+        print(f"  {duration:4d} s        {seconds * 1e3:10.2f} ms   {seconds / duration * 1e3:.3f} ms a second, round wheels")
 
 
 def batch(count: int = 1024) -> None:
@@ -96,9 +109,7 @@ def batch(count: int = 1024) -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    design = machine()
-    round_wheels = tuple(replace(p, wheel=IdealWheel(radius=p.wheel.radius, mass=p.wheel.mass)) for p in design.placements)
-    design = replace(design, placements=round_wheels, stage=Stage(5.0, True))
+    design = round_wheels(machine())
     motions = [motion(phase=2 * math.pi * i / count) for i in range(count)]
     values = np.array([m.series.values for m in motions])
     solve = diffrax_batch(design, np.array(motions[0].series.time), values)

@@ -31,16 +31,17 @@ def inputs_of(motion: Motion, torque_limit: float | None = None) -> tuple[np.nda
     """
     drive = _limited(motion.series, torque_limit) if motion.kind == "wheel-torque" and torque_limit else motion.series
     stage, start = _stage(motion)
-    knots = [0.0, motion.duration, *drive.time, *stage.time]
-    knots = np.unique([t for t in knots if 0.0 <= t <= motion.duration])
-    return np.hstack([knots[:-1, None], knots[1:, None], _ends(drive, knots), _ends(stage, knots)]), start
+    knots = {0.0, motion.duration, *drive.time, *stage.time}
+    knots = np.array(sorted(t for t in knots if 0.0 <= t <= motion.duration))
+    return np.concatenate([knots[:-1, None], knots[1:, None], _ends(drive, knots), _ends(stage, knots)], axis=1), start
 
 
 def _ends(series: Series, knots) -> np.ndarray:
     """Values at the begin and at the end of every piece between ``knots``, (pieces, 2 c)."""
     if series.interpolation == "linear":
-        values = series.at(knots)
-        return np.hstack([values[:-1], values[1:]])
+        # Most motions have no other corners than their own.
+        values = series.arrays[1] if np.array_equal(series.arrays[0], knots) else series.at(knots)
+        return np.concatenate([values[:-1], values[1:]], axis=1)
     return np.hstack([series.at(knots[:-1]), series.at(knots[1:], side="left")])
 
 
