@@ -234,6 +234,19 @@ def dual(**rest):
     return replace(design, **rest)
 
 
+@pytest.mark.parametrize("wheel", [DualRaceWheel(**DUAL), IdealWheel(radius=0.025)], ids=["dual-race", "round"])
+def test_momentum_of_a_free_stage_is_what_the_force_on_it_gives(wheel):
+    """M v + M_s Ω × ρ = ∫ P dt: wheels, motors, impacts and closure act within the machine, the gantry carries its weight."""
+    design = replace(dual(), placements=tuple(replace(p, wheel=replace(wheel, mass=0.1)) for p in dual().placements))
+    push = Series((0.0, 0.5, 1.0), ((2.0, -1.0, 0.5), (-3.0, 4.0, 1.0), (1.0, 1.0, -6.0)))
+    run = run_rolling(design, torques((0.02, -0.03, 0.01), 1.0, stage=StageMotion("force", push), sample_rate=50))
+    rho = quaternion_matrix(run.orientation) @ np.array(design.sphere.centre_of_mass)
+    M_s, M = design.sphere.mass, design.sphere.mass + design.stage.mass + 0.3
+    momentum = M * run.stage_velocity + M_s * np.cross(run.angular_velocity, rho)
+    np.testing.assert_allclose(momentum, push.integral(run.time), atol=1e-10)
+    assert isinstance(wheel, IdealWheel) or len(run.event_time) > 10
+
+
 def test_change_of_race_is_an_impact_that_keeps_the_momentum_it_should():
     """I ΔΩ = −J₂⁻ᵀ I_w Δω, all of it seen from outside; energy only falls."""
     design = machine(atlas(DualRaceWheel(**DUAL)), wheel_mass=1.0)
