@@ -15,7 +15,20 @@ from typing import Any
 
 __version__ = "0.1.0"
 
-_MODULES = ("contact", "design", "dynamics", "errors", "frames", "io", "kinematics", "motion", "report", "shape", "vibration", "wheels")
+_MODULES = (
+    "contact",
+    "design",
+    "dynamics",
+    "errors",
+    "frames",
+    "io",
+    "kinematics",
+    "motion",
+    "report",
+    "shape",
+    "vibration",
+    "wheels",
+)
 _NAMES = {
     "Design": "design",
     "DesignError": "errors",

@@ -25,11 +25,24 @@ LAYERS = [
     ("summary",),
     ("io", "designs"),
     ("report",),
+    ("studies",),
     ("cli",),
 ]
 # A value that can describe itself: ``Design.__str__`` asks for its table when it is printed.
 EXCEPTIONS = {("design", "summary")}
-PHYSICS = {"values", "frames", "wheels", "design", "motion", "kinematics", "contact", "checking", "dynamics", "shape", "vibration"}
+PHYSICS = {
+    "values",
+    "frames",
+    "wheels",
+    "design",
+    "motion",
+    "kinematics",
+    "contact",
+    "checking",
+    "dynamics",
+    "shape",
+    "vibration",
+}
 EDGE_LIBRARIES = {"pydantic", "pint", "tomllib", "tomlkit", "matplotlib", "jinja2", "cyclopts", "rich", "xarray"}
 
 
