@@ -8,6 +8,7 @@ from spheredrive.kinematics.contacts import (
     contacts,
     equivalent_contact,
 )
+from spheredrive.kinematics.instant import instantaneous_constraint, instantaneous_jacobian
 from spheredrive.kinematics.maps import (
     MasterSlave,
     Slip,
@@ -50,8 +51,8 @@ __all__ = [
     "ContactState", "Contacts", "KinematicRun", "MasterSlave", "Races", "Singularity", "Slip", "SlipFree",
     "Transmission", "active_races", "along", "condition_number", "constraint", "constraint_row", "contact_states",
     "contacts", "count_contact_states", "determinant", "effectiveness", "effectiveness_about", "equivalent_contact",
-    "forward", "integrate_orientation", "inverse", "inverse_jacobian", "isotropy", "jacobian", "master_slave",
-    "nearest_singularity", "race_error", "singular_values", "singularity_measure", "slip", "slip_free",
-    "sphere_acceleration", "state_index", "transmission", "wheel_acceleration", "worst_contact_state",
-    "worst_directions",
+    "forward", "instantaneous_constraint", "instantaneous_jacobian", "integrate_orientation", "inverse",
+    "inverse_jacobian", "isotropy", "jacobian", "master_slave", "nearest_singularity", "race_error",
+    "singular_values", "singularity_measure", "slip", "slip_free", "sphere_acceleration", "state_index",
+    "transmission", "wheel_acceleration", "worst_contact_state", "worst_directions",
 ]  # fmt: skip

@@ -21,12 +21,14 @@ class Wander(NamedTuple):
     offset   of the contact point along ŵ from the wheel's middle plane, m
     tilt     of the contact direction against R̂ towards ŵ, rad: a race's Δθ where it touches at its middle
     lean     of the contact direction against R̂ towards v̂ within the wheel's plane, rad: tan(lean) = −D′/D
+    turn     β of the touching roller: angle of its middle about ŵ from the line of centres, rad
     race     number of the race that touches
     """
 
     offset: np.ndarray
     tilt: np.ndarray
     lean: np.ndarray
+    turn: np.ndarray
     race: np.ndarray
 
 
@@ -47,20 +49,22 @@ def wander(wheel: Wheel, sphere_radius: float, angle, race: int | None = None, r
     if not isinstance(wheel, RollerWheel) or getattr(wheel, "roundness", None) == 0:
         outline = profile(wheel, sphere_radius)
         lean = np.arctan2(-outline.slope(angle), sphere_radius + wheel.radius + outline.height(angle))
-        return Wander(np.zeros(angle.shape), np.zeros(angle.shape), lean, np.ones(angle.shape, int))
+        nothing = np.zeros(angle.shape)
+        return Wander(nothing, nothing, lean, nothing, np.ones(angle.shape, int))
     rows = None if roller_profile is None else tuple(tuple(float(x) for x in row) for row in roller_profile)
     shape = exact_envelope(wheel, float(sphere_radius), race, rows)
     numbers, folded = shape.strip_numbers(angle.ravel() + wheel.phase_angle)
-    along, axial, touching = np.empty(folded.shape), np.empty(folded.shape), np.empty(folded.shape, int)
+    along, axial, turn, touching = *np.empty((3, *folded.shape)), np.empty(folded.shape, int)
     for j, strip in enumerate(shape.strips):
         here = numbers == j
         if here.any():
             rows_here = shape.outline(strip, folded[here])
             along[here], axial[here] = rows_here[:, kernels.ALONG], rows_here[:, kernels.AXIAL]
+            turn[here] = folded[here] - strip.centre
             touching[here] = shape.races[strip.rank].number
     tilt = np.arcsin(axial / sphere_radius)
     lean = np.arcsin(along / np.sqrt(sphere_radius**2 - axial**2))
-    return Wander(*(field.reshape(angle.shape)[()] for field in (axial, tilt, lean, touching)))
+    return Wander(*(field.reshape(angle.shape)[()] for field in (axial, tilt, lean, turn, touching)))
 
 
 def rolling_radius(outline: Profile, angle) -> np.ndarray:
