@@ -8,7 +8,6 @@ import numpy as np
 
 from spheredrive.errors import DesignError, SpheredriveError
 from spheredrive.kinematics.maps import require_regular
-from spheredrive.shape import profile, wander
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
@@ -24,6 +23,9 @@ def instantaneous_constraint(design: Design, wheel_angle) -> tuple[np.ndarray, n
     the sphere's centre is taken to rest, which its shaking by h changes in second order. Raises ``DesignError`` as
     ``shape.profile``, ``SpheredriveError`` for angles that do not fit. Source: model.md sections 2 and 3.
     """
+    # Loads the compiler, which no other question of the kinematics takes.
+    from spheredrive.shape import profile, wander
+
     wheel_angle = np.asarray(wheel_angle, float)
     n, R = design.wheel_count, design.sphere.radius
     if wheel_angle.shape[-1:] != (n,):
