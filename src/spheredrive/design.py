@@ -19,6 +19,9 @@ from spheredrive.wheels.base import Wheel
 
 Vector = tuple[float, float, float]
 
+# Standard acceleration of free fall, m/s².
+GRAVITY = 9.80665
+
 # Directions closer than this (rad) are the same direction: far below what can be built, far above rounding.
 SAME_DIRECTION = 1e-9
 

@@ -9,8 +9,7 @@ import xarray
 
 import spheredrive as sd
 from layouts import DUAL, R, atlas, collinear_triple
-from spheredrive.design import Contact, Design, Motor, Placement, Sphere, Stage
-from spheredrive.dynamics.parameters import GRAVITY
+from spheredrive.design import GRAVITY, Contact, Design, Motor, Placement, Sphere, Stage
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.dataset import contact_numbers
 from spheredrive.simulation.overview import overview

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spheredrive.checking import Finding
-from spheredrive.dynamics.parameters import GRAVITY, rolling_parameters
+from spheredrive.design import GRAVITY
+from spheredrive.dynamics.parameters import rolling_parameters
 from spheredrive.dynamics.rolling import GRIP, NORMAL
 from spheredrive.errors import SpheredriveError
 from spheredrive.frames import quaternion_matrix

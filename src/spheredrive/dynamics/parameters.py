@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spheredrive.contact import resistance_arms
+from spheredrive.design import GRAVITY
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics.contacts import constraint_row, contacts
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
 
-GRAVITY = 9.80665
 # Angular speed below which resistances fade, rad/s.
 SMOOTHING = 1e-3
 
