@@ -108,7 +108,7 @@ def march(system, shapes, wheel, knots, angle, speed, acceleration, place, w, cl
                     for p in range(count):
                         v[p] = min(max((time[s + p] - begin) / T, 0.0), 1.0)
                     some[:] = 0.0
-                    evaluate(system, Y, used, amplitude, v, count, T, wave, some)
+                    evaluate(system, Y, used, amplitude, v, count, T, wave, 0, rows, some)
                     for j in range(rows):
                         for p in range(count):
                             out[j, s + p] = some[j, p]
@@ -119,7 +119,7 @@ def march(system, shapes, wheel, knots, angle, speed, acceleration, place, w, cl
             expand(system, h, 0, m, 1e-9, w.copy(), x, Y, amplitude)
             v[0] = 0.0
             some[:] = 0.0
-            evaluate(system, Y, terms, amplitude, v, 1, 1e-9, wave, some)
+            evaluate(system, Y, terms, amplitude, v, 1, 1e-9, wave, 0, rows, some)
             while s < time.size:
                 for j in range(rows):
                     out[j, s] = some[j, 0]

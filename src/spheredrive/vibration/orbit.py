@@ -232,6 +232,6 @@ def outputs_at(system, orbit, time, out):
                 q = stretch_at(orbit, i, local)
                 T = orbit.length[i, q]
                 v[0] = min(max((local - orbit.start[i, q]) / T, 0.0), 1.0)
-                evaluate(system, orbit.Y[i, q], orbit.terms[i, q], orbit.amplitude[i, q], v, 1, T, wave, one)
+                evaluate(system, orbit.Y[i, q], orbit.terms[i, q], orbit.amplitude[i, q], v, 1, T, wave, 0, rows, one)
         for j in range(rows):
             out[j, s] = one[j, 0]

@@ -175,30 +175,29 @@ def used_terms(Y):
 
 
 @njit(error_model="numpy")
-def evaluate(system, Y, terms, amplitude, v, count, T, wave, out):
-    """Add the outputs at the first ``count`` of ``v``, which rise, to ``out`` (y, places); ``wave`` (2, places) is room."""
+def evaluate(system, Y, terms, amplitude, v, count, T, wave, low, high, out):
+    """Add the outputs ``low`` to before ``high`` at the first ``count`` of ``v``, which rise, to ``out`` (y, places).
+
+    ``wave`` (2, places) is room.
+    """
     lam, link, real, imag = system.lam, system.link, system.real, system.imag
-    rows = Y.shape[0]
-    for j in range(rows):
-        s = 0
-        # Four places side by side: the compiler then uses vector instructions.
-        while s + 4 <= count:
-            v0, v1, v2, v3 = v[s], v[s + 1], v[s + 2], v[s + 3]
-            a0 = a1 = a2 = a3 = Y[j, terms - 1]
+    total = wave[0]
+    for j in range(low, high):
+        if count == 1:
+            one = Y[j, terms - 1]
             for k in range(terms - 2, -1, -1):
-                y = Y[j, k]
-                a0, a1, a2, a3 = a0 * v0 + y, a1 * v1 + y, a2 * v2 + y, a3 * v3 + y
-            out[j, s] += a0
-            out[j, s + 1] += a1
-            out[j, s + 2] += a2
-            out[j, s + 3] += a3
-            s += 4
-        while s < count:
-            a0 = Y[j, terms - 1]
-            for k in range(terms - 2, -1, -1):
-                a0 = a0 * v[s] + Y[j, k]
-            out[j, s] += a0
-            s += 1
+                one = one * v[0] + Y[j, k]
+            out[j, 0] += one
+            continue
+        # Places go innermost, so that the compiler uses vector instructions.
+        for s in range(count):
+            total[s] = Y[j, terms - 1]
+        for k in range(terms - 2, -1, -1):
+            y = Y[j, k]
+            for s in range(count):
+                total[s] = total[s] * v[s] + y
+        for s in range(count):
+            out[j, s] += total[s]
     for r in range(lam.size):
         leads = link[r] == 1 and amplitude[r - 1] != 0j
         if (amplitude[r] == 0j and not leads) or lam[r].real * v[0] * T < GONE:
@@ -217,7 +216,7 @@ def evaluate(system, Y, terms, amplitude, v, count, T, wave, out):
             if leads:
                 a += amplitude[r - 1] * difference(lam[r - 1], lam[r], t)
             wave[0, s], wave[1, s] = a.real, a.imag
-        for j in range(rows):
+        for j in range(low, high):
             p, q = real[r, j], imag[r, j]
             for s in range(alive):
                 out[j, s] += p * wave[0, s] - q * wave[1, s]

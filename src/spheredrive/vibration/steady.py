@@ -91,9 +91,12 @@ def _local(orbit, i, t, joint, times):
 
 
 @njit(error_model="numpy")
-def _group_outputs(system, orbit, group, times, joint, g, at, count, middle, v, wave, out):
-    """Outputs of group g at the first ``count`` of ``at``, times in the stretch of every input that ``middle`` lies in."""
-    out[:] = 0.0
+def _group_outputs(system, orbit, group, times, joint, g, at, count, middle, v, wave, low, high, out):
+    """Outputs ``low`` to before ``high`` of group g at the first ``count`` of ``at``.
+
+    These are times in the stretch of every input that ``middle`` lies in.
+    """
+    out[low:high] = 0.0
     for i in range(group.size):
         if group[i] != g:
             continue
@@ -103,7 +106,7 @@ def _group_outputs(system, orbit, group, times, joint, g, at, count, middle, v, 
         for s in range(count):
             # Rounding may put an end outside.
             v[s] = min(max((local - orbit.start[i, q] + (at[s] - middle)) / T, 0.0), 1.0)
-        evaluate(system, orbit.Y[i, q], orbit.terms[i, q], orbit.amplitude[i, q], v, count, T, wave, out)
+        evaluate(system, orbit.Y[i, q], orbit.terms[i, q], orbit.amplitude[i, q], v, count, T, wave, low, high, out)
 
 
 @njit(error_model="numpy")
@@ -173,7 +176,7 @@ def group_motion(system, orbit, group, times, joint, g, degree):
             middle, span = 0.5 * (t + stop), stop - t
             for p in range(n):
                 at[p] = t + span * PLACES[p]
-            _group_outputs(system, orbit, group, times, joint, g, at, n, middle, v, wave, out)
+            _group_outputs(system, orbit, group, times, joint, g, at, n, middle, v, wave, 0, rows, out)
             if k == 0:
                 first[:] = out[:, 0]
             if k + n > room:
@@ -267,7 +270,9 @@ def _value(system, orbit, group, times, joint, g, column, ux, uy, uz, t, middle,
     """u · y of group g at t."""
     at, v, wave, out = room
     at[0] = t
-    _group_outputs(system, orbit, group, times, joint, g, at, 1, middle, v, wave, out)
+    _group_outputs(
+        system, orbit, group, times, joint, g, at, 1, middle, v, wave, column, min(column + 3, system.D0.shape[1]), out
+    )
     return ux * out[column, 0] + uy * out[column + 1, 0] + uz * out[column + 2, 0]
 
 
