@@ -21,6 +21,7 @@ lint: $(VENV)/dev
 bench: $(VENV)/dev
 	$(BIN)/python benchmarks/kinematics.py
 	$(BIN)/python benchmarks/rolling.py
+	$(BIN)/python benchmarks/vibration.py
 
 # The stamps are renewed when the list of dependencies changes.
 $(VENV)/run: pyproject.toml constraints.txt

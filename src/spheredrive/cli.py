@@ -115,10 +115,113 @@ def simulate(
 
 
 @app.command
+def vibration(
+    design: Path,
+    *,
+    speeds: Annotated[str, Parameter(name="--speeds", allow_leading_hyphen=True)],
+    model: str = "coupled",
+    payload: str | None = None,
+    isolator: str | None = None,
+    isolator_damping: float | None = None,
+    wanted: str | None = None,
+    json: Json = False,
+) -> int:
+    """Say how the wheels' rollers shake the sphere and its payload at constant wheel speeds.
+
+    Parameters
+    ----------
+    design
+        Design file (TOML).
+    speeds
+        One speed a wheel with their unit, such as "0.1 1.2 0.9 rad/s", or one for all, such as "30 rpm".
+    model
+        Model of the machine: coupled, or independent for the thesis's.
+    payload
+        Mass of a payload inside the sphere, a part of sphere.mass, such as "80 kg".
+    isolator
+        Natural frequency of the isolator that carries the payload, such as "3 Hz".
+    isolator_damping
+        Damping ratio of the isolator; 0.1 if absent.
+    wanted
+        Instead of --isolator: RMS acceleration that the payload may have, such as "0.3 m/s^2"; the stiffest isolator is sought.
+    """
+    from spheredrive.io.design_file import load_design
+    from spheredrive.io.speeds import parse_isolation, parse_speeds
+    from spheredrive.summary import vibration_text
+    from spheredrive.vibration.assessment import assess
+    from spheredrive.vibration.assessment_dict import isolator_dict
+
+    loaded = load_design(design)
+    wheel_speed = parse_speeds(speeds, loaded.wheel_count)
+    springs, chosen = parse_isolation(loaded, wheel_speed, payload, isolator, isolator_damping, wanted)
+    result = assess(loaded, wheel_speed, model, isolator=springs)
+    if json:
+        _print_json({**result.as_dict(), "isolator_sought": None if chosen is None else isolator_dict(chosen)})
+    else:
+        print(vibration_text(result, chosen))
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
+def compare(
+    *designs: Path,
+    wheel: Annotated[list[str] | None, Parameter(name="--wheel", consume_multiple=True)] = None,
+    speeds: Annotated[str | None, Parameter(name="--speeds", allow_leading_hyphen=True)] = None,
+    motion: Path | None = None,
+    output: Annotated[Path | None, Parameter(name=["-o", "--output"])] = None,
+    json: Json = False,
+) -> int:
+    """Set several designs side by side, or one design with the wheels of several parts of the catalogue.
+
+    Parameters
+    ----------
+    designs
+        Design files (TOML).
+    wheel
+        Parts of the catalogue, maker/part: the first design with its wheels replaced by each of them.
+    speeds
+        Wheel speeds of the first design, such as "0.1 1.2 0.9 rad/s"; the others move their sphere's surface alike. 1 rad/s
+        if absent.
+    motion
+        Motion file (TOML) of the first design, for the preload that keeps contacts from slipping in it.
+    output
+        An HTML page to write, with figures.
+    """
+    from spheredrive.io.design_file import load_design
+    from spheredrive.io.files import require_no_input, write_whole
+    from spheredrive.io.motion_file import load_motion
+    from spheredrive.io.speeds import parse_speeds
+    from spheredrive.studies.compare import compare as work_out
+    from spheredrive.studies.compare import machines
+    from spheredrive.studies.compare.text import comparison_text
+
+    if not designs:
+        raise SpheredriveError("there is nothing to compare: name design files, or one and --wheel with parts of the catalogue")
+    loaded = [load_design(design) for design in designs]
+    first = loaded[0]
+    wheel_speed = None if speeds is None else parse_speeds(speeds, first.wheel_count)
+    asked = None if motion is None else load_motion(motion, wheel_count=first.wheel_count)
+    if output is not None:
+        require_no_input(output, _inputs(*zip(designs, loaded, strict=True), (motion, asked)))
+    chosen = machines(dict(zip(map(str, designs), loaded, strict=True)), wheel or [])
+    result = work_out(chosen, wheel_speed, asked)
+    if output is not None:
+        from spheredrive.studies.compare.page import comparison_page
+
+        write_whole(output, comparison_page(result))
+    if json:
+        _print_json({"path": None if output is None else str(output), **result.as_dict()})
+    else:
+        print(*([output] if output else []), comparison_text(result), sep="\n")
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
 def report(
     design: Path,
     motion: Path | None = None,
     *,
+    speeds: Annotated[str | None, Parameter(name="--speeds", allow_leading_hyphen=True)] = None,
     output: Annotated[Path, Parameter(name=["-o", "--output"])] = Path("report.html"),
 ) -> int:
     """Write everything about a design into one HTML file.
@@ -129,6 +232,8 @@ def report(
         Design file (TOML).
     motion
         Motion file (TOML), for what changes over time.
+    speeds
+        Constant wheel speeds for the vibration, such as "0.1 1.2 0.9 rad/s"; the mean speeds of the motion if absent.
     output
         The HTML file to write.
     """
@@ -138,8 +243,13 @@ def report(
 
     loaded = load_design(design)
     asked = None if motion is None else load_motion(motion, wheel_count=loaded.wheel_count)
+    wheel_speed = None
+    if speeds is not None:
+        from spheredrive.io.speeds import parse_speeds
+
+        wheel_speed = parse_speeds(speeds, loaded.wheel_count)
     require_no_input(output, _inputs((design, loaded), (motion, asked)))
-    works = _write_report(loaded, asked, output)
+    works = _write_report(loaded, asked, output, wheel_speed)
     print(output)
     return 0 if works else EXIT_DOES_NOT_WORK
 
@@ -181,6 +291,32 @@ def demo(
     if browser and not _opened(path):
         _note("No browser was found: open the file above in one.")
     return 0 if works else EXIT_DOES_NOT_WORK
+
+
+@app.command
+def reproduce(
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])] = Path("reproduction"),
+    json: Json = False,
+) -> int:
+    """Rebuild every figure, table and number of the thesis into one folder, and say which agree.
+
+    Parameters
+    ----------
+    output
+        The folder to write: index.html, and an SVG and a CSV for every figure.
+    """
+    from spheredrive.studies.reproduce import reproduce as rebuild
+
+    with _progress("Rebuilding the thesis") as watch:
+        result = rebuild(output, watch)
+    if json:
+        _print_json([row.as_dict() for row in result.rows])
+    else:
+        print(result.files[0])
+        agree = sum(row.agrees for row in result.rows)
+        print(f"{len(result.rows)} claims: {agree} agree, {len(result.rows) - agree} differ")
+    return 0
 
 
 @app.command
@@ -364,12 +500,12 @@ def _named_files(table: dict[str, Any]) -> Iterator[str]:
             yield value
 
 
-def _write_report(design: Design, motion: Motion | None, output: Path) -> bool:
+def _write_report(design: Design, motion: Motion | None, output: Path, speeds=None) -> bool:
     """Write the report, and say whether the design works."""
     from spheredrive.io.files import write_whole
     from spheredrive.report.page import page
 
-    found = page(design, motion)
+    found = page(design, motion, speeds)
     write_whole(output, found.html)
     return found.works
 

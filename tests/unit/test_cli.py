@@ -414,3 +414,101 @@ def test_defect_of_the_program_exits_70_and_asks_for_a_report(error, debug):
     last = answer.stderr.splitlines()[-1]
     assert last.startswith("spheredrive: ") and "Error: seven bridges" in last and "report" in last
     assert ("Traceback" in answer.stderr) == bool(debug) and (debug or answer.stderr.count("\n") == 1)
+
+
+# vibration and compare
+
+
+def test_vibration_prints_sizes_and_json_holds_the_assessment():
+    words = ("vibration", sd.design_path("ballbot"), "--speeds", "12 8 -5 rad/s")
+    answer = run(*words)
+    assert answer.returncode == 0 and answer.stderr == ""
+    assert "The design works at these speeds." in answer.stdout and "Speeds to avoid" in answer.stdout
+    result = json.loads(run(*words, "--json").stdout)
+    here = sd.vibration.assess(sd.load_design(sd.design_path("ballbot")), [12, 8, -5]).as_dict()
+    assert result.pop("isolator_sought") is None
+    assert result == json.loads(json.dumps(here))
+
+
+def test_vibration_one_speed_in_rpm_is_for_every_wheel():
+    answer = json.loads(run("vibration", sd.design_path("ballbot"), "--speeds", "30 rpm", "--json").stdout)
+    np.testing.assert_allclose(answer["wheel_speed_rad_s"], np.full(3, np.pi), rtol=1e-12)
+
+
+def test_vibration_wanted_acceleration_finds_an_isolator():
+    words = ("--speeds", "100 80 30 rpm", "--payload", "0.5 kg", "--wanted", "0.003 m/s^2", "--isolator-damping", "0.2")
+    result = json.loads(run("vibration", sd.design_path("ballbot"), *words, "--json").stdout)
+    assert result["payload"]["rms_acceleration_m_s2"] == pytest.approx(0.003, rel=1e-4)
+    assert result["isolator_sought"]["stiffness_n_m"] == pytest.approx(result["isolator"]["stiffness_n_m"][0])
+    assert "Isolator of a payload of 0.5 kg" in run("vibration", sd.design_path("ballbot"), *words).stdout
+
+
+@pytest.mark.parametrize("name", ["orthogonal", "six-orthogonal", "atlas-mecanum", "atlas-demonstrator", "atlas-dual-race"])
+def test_vibration_of_any_shipped_design(name):
+    answer = run("vibration", sd.design_path(name), "--speeds", "0.7 rad/s")
+    assert answer.returncode in (0, 1) and answer.stderr == ""
+    assert ("does not work" in answer.stdout) == bool(answer.returncode)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "--speeds requires"),
+        (("--speeds", "1 2 rad/s"), "each of the 3 wheels, or one for all, but 2 are given"),
+        (("--speeds", "1 2 3"), "lacks a unit"),
+        (("--speeds", "nan rad/s"), "finite number"),
+        (("--speeds", "1, 2, 3 rad/s"), "comma"),
+        (("--speeds", "3 m"), "is a length"),
+        (("--speeds", "1 rad/s", "--model", "rigid"), "choose from coupled"),
+        (("--speeds", "1 rad/s", "--isolator", "3 Hz"), "add --payload"),
+        (("--speeds", "1 rad/s", "--payload", "80 kg", "--isolator", "3 Hz"), "leaves nothing of the sphere"),
+        (("--speeds", "1 rad/s", "--payload", "1 kg"), "--isolator"),
+        (("--speeds", "1 rad/s", "--payload", "1 kg", "--isolator", "0 Hz"), "greater than zero"),
+        (("--speeds", "1 rad/s", "--payload", "1 kg", "--wanted", "1e-12 m/s^2"), "no isolator"),
+    ],
+)
+def test_vibration_bad_input_exits_2_with_a_sentence(words, message):
+    answer = run("vibration", sd.design_path("ballbot"), *words)
+    assert answer.returncode == 2 and answer.stdout == ""
+    assert answer.stderr.startswith("spheredrive: ") and message in answer.stderr
+
+
+def test_vibration_of_a_sphere_without_a_seat_is_refused_with_a_sentence():
+    answer = run("vibration", sd.design_path("collinear-triple-race"), "--speeds", "1 rad/s")
+    assert answer.returncode == 2 and "contact.stiffness" in answer.stderr
+
+
+def test_compare_sets_designs_and_parts_side_by_side(tmp_path):
+    designs = [sd.design_path(name) for name in ("ballbot", "atlas-dual-race")]
+    words = (*designs, "--wheel", "sunfounder/zeus-60mm-mecanum", "nexus/14073", "--speeds", "3 2 1 rad/s")
+    answer = run("compare", *words, "-o", "compare.html", folder=tmp_path)
+    assert answer.returncode == 0 and answer.stderr == "" and answer.stdout.startswith("compare.html\n")
+    assert "nexus/14073: wheel not known" in answer.stdout
+    assert "outlines" in (tmp_path / "compare.html").read_text(encoding="utf-8")
+    result = json.loads(run("compare", *words, "--json", folder=tmp_path).stdout)
+    assert [row["name"] for row in result["machines"]][2:] == ["sunfounder/zeus-60mm-mecanum", "nexus/14073"]
+    assert result["machines"][3]["missing"] and result["machines"][0]["preload_n"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "nothing to compare"),
+        (("ballbot", "--wheel", "nexus/14074"), "did you mean"),
+        (("ballbot", "--speeds", "1 2 rad/s"), "3 wheels"),
+        (("ballbot", "-o", "no/folder/x.html"), "no such folder"),
+    ],
+)
+def test_compare_bad_input_exits_2_with_a_sentence(words, message, tmp_path):
+    named = [sd.design_path(word) if word == "ballbot" else word for word in words]
+    answer = run("compare", *named, folder=tmp_path)
+    assert answer.returncode == 2 and answer.stdout == "" and message in answer.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_report_at_given_speeds_shows_the_vibration_and_exits_by_it(tmp_path):
+    assert run("report", sd.design_path("ballbot"), "--speeds", "12 8 -5 rad/s", folder=tmp_path).returncode == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'id="campbell"' in page and "--speeds" in page
+    lifted = run("report", sd.design_path("atlas-demonstrator"), "--speeds", "0.1 1.2 0.9 rad/s", folder=tmp_path)
+    assert lifted.returncode == 1

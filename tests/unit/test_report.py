@@ -12,6 +12,7 @@ from spheredrive.design import Contact, Design, Motor, Placement, Sphere
 from spheredrive.errors import DesignError, InputError
 from spheredrive.motion import Motion, Series
 from spheredrive.report import render_report, write_report
+from spheredrive.report.figures.campbell import campbell_figure
 from spheredrive.report.figures.contact_states import (
     contact_states_caption,
     contact_states_sentence,
@@ -20,6 +21,8 @@ from spheredrive.report.figures.contact_states import (
 from spheredrive.report.figures.effectiveness import effectiveness_caption, extremes
 from spheredrive.report.figures.layout import drawn_wheels, layout_figure
 from spheredrive.report.figures.loads import contact_force_caption, contact_force_figure
+from spheredrive.report.figures.log_axis import power_text
+from spheredrive.report.figures.passing import passing_figure
 from spheredrive.report.figures.projection import (
     FROM_ABOVE,
     FROM_SIDE,
@@ -33,8 +36,10 @@ from spheredrive.report.figures.race_error import peaks, race_error_caption, rac
 from spheredrive.report.figures.style import house_style, svg_text
 from spheredrive.report.figures.thinning import thinned
 from spheredrive.report.tables import shown_quantity, sizing_table
+from spheredrive.report.vibration import mean_speeds
 from spheredrive.simulation.overview import overview
 from spheredrive.simulation.rolling_run import run_rolling
+from spheredrive.vibration.assessment import assess
 from spheredrive.wheels import DualRaceWheel, IdealWheel, SplitDualRaceWheel, StandardWheel, TripleRaceWheel
 
 HOSTILE = "<script>alert('&\"$x^2$\x00\x1b[31m')</script>"
@@ -79,8 +84,8 @@ def test_render_report_page_asks_for_nothing_from_outside(atlas_page):
 
 
 def test_render_report_dual_race_motion_has_every_figure_within_size(atlas_page):
-    assert atlas_page.count('role="img"') == 6
-    assert atlas_page.count("aria-label=") == 6
+    assert atlas_page.count('role="img"') == 9
+    assert atlas_page.count("aria-label=") == 9
     assert len(atlas_page.encode()) < 1_500_000
     assert "spheredrive report DESIGN.toml MOTION.toml -o report.html" in atlas_page
 
@@ -464,3 +469,84 @@ def test_race_error_figure_line_reaches_the_peak():
 )
 def test_shown_quantity_reads_as_on_a_drawing(content, unit, shown):
     assert shown_quantity(content, unit) == shown
+
+
+# Vibration.
+
+
+def shaken(stiffness=2e5, **rest):
+    wheel = StandardWheel(radius=0.03, rollers=14, roundness=0.3, mass=0.1)
+    return ring(wheel, name="shaken", contact=Contact(stiffness, 0.0 if stiffness is None else 60.0), **rest)
+
+
+@pytest.fixture(scope="module")
+def shaken_page():
+    return render_report(shaken(), speeds=np.array([3.0, 2.0, 1.0]))
+
+
+def test_render_report_at_speeds_has_every_figure_of_the_vibration(shaken_page):
+    for key in ("outlines", "orders", "campbell", "passing", "transmissibility"):
+        assert f'<figure id="{key}">' in shaken_page
+    assert "The wheels turn at 3, 2, 1 rad/s." in sentence(shaken_page, "vibration")
+    assert '--speeds "3 2 1 rad/s" -o report.html' in shaken_page and "mathdefault" not in shaken_page
+    names = re.findall(r'\bid="([^"]*)"', shaken_page)
+    assert len(names) == len(set(names)) and len(shaken_page.encode()) < 1_500_000
+    assert render_report(shaken(), speeds=np.array([3.0, 2.0, 1.0])) == shaken_page
+
+
+def test_render_report_vibration_tables_hold_the_assessment(shaken_page):
+    found = assess(shaken(), [3.0, 2.0, 1.0])
+    sizes = found.sphere.sizes
+    for number in (sizes.peak_displacement * 1e6, sizes.rms_velocity * 1e3, found.excitations[2].passing_frequency):
+        assert f'<td class="number">{number:.4g}</td>' in shaken_page
+    assert f"{found.sphere.comfort.total:.3g} m/s²" in sentence(shaken_page, "vibration")
+
+
+def test_render_report_motion_is_shaken_at_the_mean_size_of_its_speeds():
+    there_and_back = Motion("wheel-speed", Series((0.0, 1.0, 2.0), ((1, 1, 2), (1, -1, 2), (1, -3, 2))), 2.0)
+    # Means of |1|, |1 − 2t| and |2| over 2 s: 1, 1.25 and 2.
+    np.testing.assert_allclose(mean_speeds(shaken(), there_and_back, None), [1.0, 1.25, 2.0], rtol=1e-5)
+    assert "the mean sizes of their speeds" in sentence(render_report(shaken(), there_and_back), "vibration")
+    spin = Motion("sphere-velocity", Series((0.0,), ((0.0, 0.0, 1.0),)), 1.0)
+    want = np.abs(kinematics.inverse(shaken(), [0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(mean_speeds(shaken(), spin, None), want, rtol=1e-12)
+
+
+def test_render_report_vibration_that_is_not_known_says_why():
+    bare = Design("bare", Sphere(0.15), shaken().placements)
+    assert "The vibration is not worked out: vibration needs sphere.mass." in sentence(
+        render_report(bare, speeds=[1.0, 1.0, 1.0]), "vibration"
+    )
+    still = ring(IdealWheel(radius=0.03), contact=Contact(2e5))
+    page = render_report(still, speeds=[1.0, 1.0, 1.0])
+    assert "Nothing shakes the sphere." in sentence(page, "vibration") and 'id="orders"' not in page
+
+
+def test_render_report_rigid_contacts_have_no_modes_and_say_so():
+    page = render_report(shaken(stiffness=None), speeds=[1.0, 2.0, 3.0])
+    assert "where it has no limit" in sentence(page, "vibration")
+    assert 'id="campbell"' not in page and 'id="transmissibility"' not in page and '<figure id="passing">' in page
+
+
+def test_campbell_figure_draws_lines_through_the_meetings():
+    found = assess(shaken(), [3.0, 2.0, 1.0])
+    axes = campbell_figure(found).axes[0]
+    (meetings,) = (line for line in axes.lines if line.get_label() == "meeting")
+    rising = [line for line in axes.lines if line.get_xdata()[0] == 0 and line.get_ydata()[0] == 0]
+    slopes = [line.get_ydata()[1] / line.get_xdata()[1] for line in rising]
+    for speed, frequency in zip(*meetings.get_data(), strict=True):
+        # Places are rounded to 1e-6, of speeds of some rad/s.
+        assert min(abs(frequency / speed - slope) for slope in slopes) < 1e-4 * frequency / speed
+
+
+def test_passing_figure_follows_the_response():
+    found = assess(shaken(), [3.0, 2.0, 1.0])
+    axes = passing_figure(found).axes[0]
+    time, drawn = axes.lines[2].get_data()
+    factor = {"m": 1e0, "mm": 1e3, "µm": 1e6, "nm": 1e9}[axes.get_ylabel().split("(")[1].rstrip(")")]
+    np.testing.assert_allclose(drawn, found.response.at(time).displacement[:, 2] * factor, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("value", "text"), [(1e-3, "10⁻³"), (0.01, "0.01"), (1.0, "1"), (1e3, "1000"), (1e4, "10⁴")])
+def test_power_text_is_plain_where_people_know_it(value, text):
+    assert power_text(value) == text

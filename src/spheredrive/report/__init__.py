@@ -12,8 +12,10 @@ if TYPE_CHECKING:
 __all__ = ["render_report", "write_report"]
 
 
-def render_report(design: Design, motion: Motion | None = None) -> str:
+def render_report(design: Design, motion: Motion | None = None, speeds=None) -> str:
     """The report on ``design``, and on what ``motion`` makes it do where one is given, as HTML text.
+
+    Its section on vibration is for constant wheel ``speeds`` (n,), rad/s, or for the mean speeds of the motion.
 
     Equal designs and motions give equal text: no clock, no random names. Raises ``DesignError`` for a motion that is for
     another number of wheels; what a design cannot do is said in the report.
@@ -21,13 +23,13 @@ def render_report(design: Design, motion: Motion | None = None) -> str:
     # Plotting and templates cost a second to import: only who asks for a report pays.
     from spheredrive.report.page import page
 
-    return page(design, motion).html
+    return page(design, motion, speeds).html
 
 
-def write_report(design: Design, path: str | Path, motion: Motion | None = None) -> Path:
+def write_report(design: Design, path: str | Path, motion: Motion | None = None, speeds=None) -> Path:
     """Write ``render_report`` to ``path``, whole or not at all, and return the path. Raises as ``render_report``."""
     from spheredrive.io.files import write_whole
 
-    html = render_report(design, motion)
+    html = render_report(design, motion, speeds)
     write_whole(Path(path), html)
     return Path(path)

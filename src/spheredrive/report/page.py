@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from importlib.resources import files
 from typing import NamedTuple
 
 from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
-from matplotlib.figure import Figure
 
 import spheredrive
 from spheredrive import kinematics
@@ -39,22 +35,14 @@ from spheredrive.report.figures.loads import (
 from spheredrive.report.figures.projection import FROM_ABOVE, FROM_SIDE
 from spheredrive.report.figures.race_error import race_error_caption, race_error_figure
 from spheredrive.report.figures.sphere_motion import sphere_motion_caption, sphere_motion_figure
-from spheredrive.report.figures.style import svg_text
+from spheredrive.report.parts import Part, drawn, readable
+from spheredrive.report.vibration import assessed, mean_speeds, vibration_parts
 from spheredrive.simulation.overview import Overview, overview
 from spheredrive.simulation.rolling_run import RollingRun, run_rolling
+from spheredrive.vibration.assessment import Assessment
 
 # A page shows no more than this many samples of a motion; every change of race is worked out whatever the rate.
 SAMPLES = 200_000
-
-
-class Part(NamedTuple):
-    """A titled piece of the page: SVG figures and their caption, or a sentence in their place; a table after them."""
-
-    key: str
-    title: str
-    caption: str
-    figures: tuple[Markup, ...] = ()
-    table: tables.Table | None = None
 
 
 class Page(NamedTuple):
@@ -71,23 +59,30 @@ class Dynamics(NamedTuple):
     overview: Overview
 
 
-def page(design: Design, motion: Motion | None = None) -> Page:
-    """The whole report."""
+def page(design: Design, motion: Motion | None = None, speeds=None) -> Page:
+    """The whole report; the vibration at wheel ``speeds`` (n,), rad/s, or at the mean speeds of the motion."""
     result = check(design)
     if motion is not None:
         motion.check_wheel_count(design.wheel_count)
     dynamics = None if motion is None else _dynamics(design, motion)
     moved = dynamics.overview if isinstance(dynamics, Dynamics) else None
-    works = result.works and (moved is None or moved.works)
+    shaken = _vibration(design, motion, dynamics, speeds)
+    vibration = shaken if isinstance(shaken, Assessment) else None
+    works = result.works and (moved is None or moved.works) and (vibration is None or vibration.works)
     template = _environment().from_string((files("spheredrive.report") / "report.html.j2").read_text(encoding="utf-8"))
     html = template.render(
         design=design,
         works=works,
-        verdict=_verdict(result, moved),
-        findings=[*result.findings, *(moved.findings if moved else ())],
+        verdict=_verdict(result, moved, vibration),
+        findings=[*result.findings, *(moved.findings if moved else ()), *(vibration.findings if vibration else ())],
         motion=motion,
+        speeds=None if speeds is None else " ".join(f"{omega:.17g}" for omega in speeds),
         result=result,
-        parts=[*_design_parts(design, result), *_motion_parts(design, motion, dynamics)],
+        parts=[
+            *_design_parts(design, result),
+            *_motion_parts(design, motion, dynamics),
+            *([] if shaken is None else vibration_parts(shaken, speeds is not None)),
+        ],
         placements=tables.placement_rows(design),
         sections=[*tables.design_sections(design), *tables.wheel_sections(design)],
         omitted_models=max(0, len(tables.wheel_models(design)) - tables.MODELS_SHOWN),
@@ -100,33 +95,32 @@ def page(design: Design, motion: Motion | None = None) -> Page:
     return Page(html, works)
 
 
-def _verdict(result: Check, moved: Overview | None) -> str:
+def _verdict(result: Check, moved: Overview | None, vibration: Assessment | None) -> str:
     if not result.works:
         return "The design does not work."
-    return "The design works." if moved is None or moved.works else "The layout works, but the design does not in this motion."
+    if moved is not None and not moved.works:
+        return "The layout works, but the design does not in this motion."
+    if vibration is not None and not vibration.works:
+        return "The layout works, but the design does not at these wheel speeds."
+    return "The design works."
+
+
+def _vibration(design: Design, motion: Motion | None, dynamics: Dynamics | str | None, speeds) -> Assessment | str | None:
+    """The vibration at ``speeds`` or those of the motion, why it is not known, or None where no speeds are."""
+    if speeds is None and motion is not None:
+        speeds = mean_speeds(design, motion, dynamics.run if isinstance(dynamics, Dynamics) else None)
+    return None if speeds is None else assessed(design, speeds)
 
 
 def _environment() -> Environment:
     return Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=readable)
 
 
-def readable(content):
-    """Text without the control characters and lone surrogates that no page can hold; everything else as it is."""
-    if isinstance(content, str) and not isinstance(content, Markup):
-        return re.sub("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]", "\N{REPLACEMENT CHARACTER}", content)
-    return content
-
-
-def _drawn(key: str, title: str, caption: str, *draw: Callable[[], Figure]) -> Part:
-    svg = tuple(Markup(svg_text(one(), f"{key}-{i}", readable(f"{title}. {caption}"))) for i, one in enumerate(draw, 1))
-    return Part(key, title, caption, svg)
-
-
 def _design_parts(design: Design, result: Check) -> list[Part]:
     views = [lambda view=view: layout_figure(design, view) for view in (FROM_ABOVE, FROM_SIDE)]
     parts = [
-        _drawn("layout", "Layout", layout_caption(design), *views),
-        _drawn(
+        drawn("layout", "Layout", layout_caption(design), *views),
+        drawn(
             "effectiveness",
             "Effectiveness about every axis",
             effectiveness_caption(design),
@@ -137,7 +131,7 @@ def _design_parts(design: Design, result: Check) -> list[Part]:
     if sentence is not None:
         return [*parts, Part("states", "Contact states", sentence)]
     caption = contact_states_caption(result)
-    return [*parts, _drawn("states", "Contact states", caption, lambda: contact_states_figure(result))]
+    return [*parts, drawn("states", "Contact states", caption, lambda: contact_states_figure(result))]
 
 
 def _motion_parts(design: Design, motion: Motion | None, dynamics: Dynamics | str | None) -> list[Part]:
@@ -145,7 +139,7 @@ def _motion_parts(design: Design, motion: Motion | None, dynamics: Dynamics | st
         return []
     if motion.kind == "wheel-torque" and isinstance(dynamics, Dynamics):
         run = dynamics.run
-        sphere = _drawn("motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run))
+        sphere = drawn("motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run))
         return [sphere, *_load_parts(dynamics)]
     return [*_kinematic_parts(design, motion), *_load_parts(dynamics)]
 
@@ -156,11 +150,9 @@ def _kinematic_parts(design: Design, motion: Motion) -> list[Part]:
         return [Part("motion", "Motion", run)]
     alternates = any(len(wheel.alternation) > 1 for wheel in design.wheels)
     differs = max(abs(run.error_angle).max(), abs(run.error_magnitude).max()) > 1e-12
-    sphere = _drawn(
-        "motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run, not differs)
-    )
+    sphere = drawn("motion", "Motion of the sphere", sphere_motion_caption(run), lambda: sphere_motion_figure(run, not differs))
     if differs:
-        error = _drawn("error", "Error of the nominal Jacobian", race_error_caption(run), lambda: race_error_figure(run))
+        error = drawn("error", "Error of the nominal Jacobian", race_error_caption(run), lambda: race_error_figure(run))
         return [error, sphere]
     why = (
         "The races of these wheels take turns, but along this motion all of them drive the sphere alike: the nominal Jacobian "
@@ -178,8 +170,8 @@ def _load_parts(dynamics: Dynamics | str | None) -> list[Part]:
     loads, sizing = moved.loads, tables.sizing_table(moved)
     assert loads is not None, "a run with samples has loads"
     return [
-        _drawn("motors", "Motors", motor_caption(loads), lambda: motor_figure(run, loads)),
-        _drawn("forces", "Contact forces", contact_force_caption(moved), lambda: contact_force_figure(run, loads)),
+        drawn("motors", "Motors", motor_caption(loads), lambda: motor_figure(run, loads)),
+        drawn("forces", "Contact forces", contact_force_caption(moved), lambda: contact_force_figure(run, loads)),
         Part("sizing", "What each wheel has to bear", f"{preload_sentence(moved)} {ledger_sentence(moved)}", table=sizing),
     ]
 
