@@ -7,11 +7,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 import spheredrive as sd
+from spheredrive.cli import main
 
 PROGRAM = Path(sys.executable).with_name("spheredrive")
 
@@ -419,6 +421,26 @@ def test_defect_of_the_program_exits_70_and_asks_for_a_report(error, debug):
 # vibration and compare
 
 
+class Answer(NamedTuple):
+    """What a process would give."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def here(capsys):
+    """A command line in this process, for what needs no process of its own."""
+
+    def answer(*words):
+        with pytest.raises(SystemExit) as left:
+            main([str(word) for word in words])
+        return Answer(left.value.code, *capsys.readouterr())
+
+    return answer
+
+
 def test_vibration_prints_sizes_and_json_holds_the_assessment():
     words = ("vibration", sd.design_path("ballbot"), "--speeds", "12 8 -5 rad/s")
     answer = run(*words)
@@ -430,22 +452,22 @@ def test_vibration_prints_sizes_and_json_holds_the_assessment():
     assert result == json.loads(json.dumps(here))
 
 
-def test_vibration_one_speed_in_rpm_is_for_every_wheel():
-    answer = json.loads(run("vibration", sd.design_path("ballbot"), "--speeds", "30 rpm", "--json").stdout)
+def test_vibration_one_speed_in_rpm_is_for_every_wheel(here):
+    answer = json.loads(here("vibration", sd.design_path("ballbot"), "--speeds", "30 rpm", "--json").stdout)
     np.testing.assert_allclose(answer["wheel_speed_rad_s"], np.full(3, np.pi), rtol=1e-12)
 
 
-def test_vibration_wanted_acceleration_finds_an_isolator():
+def test_vibration_wanted_acceleration_finds_an_isolator(here):
     words = ("--speeds", "100 80 30 rpm", "--payload", "0.5 kg", "--wanted", "0.003 m/s^2", "--isolator-damping", "0.2")
-    result = json.loads(run("vibration", sd.design_path("ballbot"), *words, "--json").stdout)
+    result = json.loads(here("vibration", sd.design_path("ballbot"), *words, "--json").stdout)
     assert result["payload"]["rms_acceleration_m_s2"] == pytest.approx(0.003, rel=1e-4)
     assert result["isolator_sought"]["stiffness_n_m"] == pytest.approx(result["isolator"]["stiffness_n_m"][0])
-    assert "Isolator of a payload of 0.5 kg" in run("vibration", sd.design_path("ballbot"), *words).stdout
+    assert "Isolator of a payload of 0.5 kg" in here("vibration", sd.design_path("ballbot"), *words).stdout
 
 
 @pytest.mark.parametrize("name", ["orthogonal", "six-orthogonal", "atlas-mecanum", "atlas-demonstrator", "atlas-dual-race"])
-def test_vibration_of_any_shipped_design(name):
-    answer = run("vibration", sd.design_path(name), "--speeds", "0.7 rad/s")
+def test_vibration_of_any_shipped_design(name, here):
+    answer = here("vibration", sd.design_path(name), "--speeds", "0.7 rad/s")
     assert answer.returncode in (0, 1) and answer.stderr == ""
     assert ("does not work" in answer.stdout) == bool(answer.returncode)
 
@@ -467,14 +489,14 @@ def test_vibration_of_any_shipped_design(name):
         (("--speeds", "1 rad/s", "--payload", "1 kg", "--wanted", "1e-12 m/s^2"), "no isolator"),
     ],
 )
-def test_vibration_bad_input_exits_2_with_a_sentence(words, message):
-    answer = run("vibration", sd.design_path("ballbot"), *words)
+def test_vibration_bad_input_exits_2_with_a_sentence(words, message, here):
+    answer = here("vibration", sd.design_path("ballbot"), *words)
     assert answer.returncode == 2 and answer.stdout == ""
     assert answer.stderr.startswith("spheredrive: ") and message in answer.stderr
 
 
-def test_vibration_of_a_sphere_without_a_seat_is_refused_with_a_sentence():
-    answer = run("vibration", sd.design_path("collinear-triple-race"), "--speeds", "1 rad/s")
+def test_vibration_of_a_sphere_without_a_seat_is_refused_with_a_sentence(here):
+    answer = here("vibration", sd.design_path("collinear-triple-race"), "--speeds", "1 rad/s")
     assert answer.returncode == 2 and "contact.stiffness" in answer.stderr
 
 
@@ -499,16 +521,18 @@ def test_compare_sets_designs_and_parts_side_by_side(tmp_path):
         (("ballbot", "-o", "no/folder/x.html"), "no such folder"),
     ],
 )
-def test_compare_bad_input_exits_2_with_a_sentence(words, message, tmp_path):
+def test_compare_bad_input_exits_2_with_a_sentence(words, message, tmp_path, here, monkeypatch):
     named = [sd.design_path(word) if word == "ballbot" else word for word in words]
-    answer = run("compare", *named, folder=tmp_path)
+    monkeypatch.chdir(tmp_path)
+    answer = here("compare", *named)
     assert answer.returncode == 2 and answer.stdout == "" and message in answer.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-def test_report_at_given_speeds_shows_the_vibration_and_exits_by_it(tmp_path):
-    assert run("report", sd.design_path("ballbot"), "--speeds", "12 8 -5 rad/s", folder=tmp_path).returncode == 0
+def test_report_at_given_speeds_shows_the_vibration_and_exits_by_it(tmp_path, here, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert here("report", sd.design_path("ballbot"), "--speeds", "12 8 -5 rad/s").returncode == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert 'id="campbell"' in page and "--speeds" in page
-    lifted = run("report", sd.design_path("atlas-demonstrator"), "--speeds", "0.1 1.2 0.9 rad/s", folder=tmp_path)
+    lifted = here("report", sd.design_path("atlas-demonstrator"), "--speeds", "0.1 1.2 0.9 rad/s")
     assert lifted.returncode == 1
