@@ -38,7 +38,8 @@ def test_readme_commands_run(tmp_path):
     lines = [line.split("#")[0].strip() for line in README.splitlines() if line.startswith("    spheredrive ")]
     assert len(lines) >= 3
     shutil.copy(sd.motion_path("atlas-table-2-1"), tmp_path / "motion.toml")
-    for line in lines:
+    # The thesis takes its time, and has a test of its own.
+    for line in [line for line in lines if " reproduce " not in line]:
         answer = run([str(PROGRAM), *shlex.split(line)[1:]], tmp_path)
         assert answer.returncode == 0, f"{line}: {answer.stderr}"
     assert (tmp_path / "report.html").stat().st_size > 10_000

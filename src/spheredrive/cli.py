@@ -148,8 +148,8 @@ def vibration(
     from spheredrive.io.design_file import load_design
     from spheredrive.io.speeds import parse_isolation, parse_speeds
     from spheredrive.summary import vibration_text
-    from spheredrive.vibration.assessment import assess
-    from spheredrive.vibration.assessment_dict import isolator_dict
+    from spheredrive.vibration.assessment.as_dict import isolator_dict
+    from spheredrive.vibration.assessment.assess import assess
 
     loaded = load_design(design)
     wheel_speed = parse_speeds(speeds, loaded.wheel_count)

@@ -12,9 +12,9 @@ from spheredrive import vibration
 from spheredrive.design import Closure, Contact, Design, Motor, Mount, Placement, Sphere, Stage
 from spheredrive.errors import DesignError, SpheredriveError
 from spheredrive.summary import vibration_text
-from spheredrive.vibration.assessment import assess
-from spheredrive.vibration.comfort import weighting
-from spheredrive.vibration.full_spectrum import full_spectrum
+from spheredrive.vibration.aboard.comfort import weighting
+from spheredrive.vibration.assessment.assess import assess
+from spheredrive.vibration.spectra.full_spectrum import full_spectrum
 from spheredrive.wheels import IdealWheel, MeasuredWheel, MecanumWheel, SplitDualRaceWheel, StandardWheel
 
 GAPPED = StandardWheel(radius=0.0758, rollers=14, roundness=0.4485, mass=0.25)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.campbell import critical_speeds, passing_lines, resonance, resonant_band, speeds_to_avoid
+from spheredrive.vibration.spectra.campbell import critical_speeds, passing_lines, resonance, resonant_band, speeds_to_avoid
 
 P = 2 * math.pi / 16
 

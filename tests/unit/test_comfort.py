@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spheredrive.errors import SpheredriveError, UnknownNameError
-from spheredrive.vibration.comfort import comfort_of_lines, comfort_words, weighting
-from spheredrive.vibration.comfort_history import comfort_of_history, weighted_history
-from spheredrive.vibration.lines import merged_lines, peak_bound, rms
+from spheredrive.vibration.aboard.comfort import comfort_of_lines, comfort_words, weighting
+from spheredrive.vibration.aboard.comfort_history import comfort_of_history, weighted_history
+from spheredrive.vibration.spectra.lines import merged_lines, peak_bound, rms
 
 REST = np.zeros((1000, 3))
 

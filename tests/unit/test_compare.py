@@ -18,7 +18,7 @@ from spheredrive.simulation.preload import least_preload
 from spheredrive.studies.compare import compare, machine, machines, motion_alike, speeds_alike, with_part
 from spheredrive.studies.compare.page import comparison_page
 from spheredrive.studies.compare.text import cells, comparison_text
-from spheredrive.vibration.assessment import assess
+from spheredrive.vibration.assessment.assess import assess
 from spheredrive.wheels import IdealWheel, MecanumWheel, StandardWheel
 
 SPEEDS = np.array([2.0, 1.0, -0.5])

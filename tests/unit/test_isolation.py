@@ -7,8 +7,8 @@ import pytest
 from scipy import integrate, signal
 
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.comfort import comfort_of_lines
-from spheredrive.vibration.isolation import (
+from spheredrive.vibration.aboard.comfort import comfort_of_lines
+from spheredrive.vibration.aboard.isolation import (
     GRAVITY,
     _highest_that_does,
     isolator_for,

@@ -39,7 +39,7 @@ from spheredrive.report.tables import shown_quantity, sizing_table
 from spheredrive.report.vibration import mean_speeds
 from spheredrive.simulation.overview import overview
 from spheredrive.simulation.rolling_run import run_rolling
-from spheredrive.vibration.assessment import assess
+from spheredrive.vibration.assessment.assess import assess
 from spheredrive.wheels import DualRaceWheel, IdealWheel, SplitDualRaceWheel, StandardWheel, TripleRaceWheel
 
 HOSTILE = "<script>alert('&\"$x^2$\x00\x1b[31m')</script>"

@@ -10,8 +10,8 @@ import pytest
 from scipy import integrate
 
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration import lines
-from spheredrive.vibration.spectrum import order_spectrum, shape_harmonics
+from spheredrive.vibration.spectra import lines
+from spheredrive.vibration.spectra.spectrum import order_spectrum, shape_harmonics
 
 COUNT = 300
 
@@ -111,7 +111,7 @@ def test_shape_harmonics_fall_by_the_slope_jump():
 def test_shape_harmonics_do_not_depend_on_the_block(monkeypatch):
     profile = triangle(0.1)
     whole = shape_harmonics(profile, 50)
-    monkeypatch.setattr("spheredrive.vibration.spectrum.BLOCK", 7)
+    monkeypatch.setattr("spheredrive.vibration.spectra.spectrum.BLOCK", 7)
     np.testing.assert_array_equal(shape_harmonics(profile, 50), whole)
 
 

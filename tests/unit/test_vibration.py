@@ -12,7 +12,7 @@ from spheredrive.design import Closure, Contact, Mount, Placement, Sphere, Sprin
 from spheredrive.errors import DesignError, SingularError, SpheredriveError
 from spheredrive.motion import Motion, Series
 from spheredrive.shape import profile
-from spheredrive.vibration.steady import fraction, groups
+from spheredrive.vibration.motion.groups import fraction, groups
 from spheredrive.wheels import IdealWheel, SplitDualRaceWheel, StandardWheel
 
 WHEEL = StandardWheel(radius=0.0758, rollers=14, roundness=0.4485, mass=0.25)

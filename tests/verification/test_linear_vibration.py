@@ -11,8 +11,8 @@ from layouts import atlas, orthogonal
 from spheredrive import vibration
 from spheredrive.design import Closure, Contact, Design, Mount, Placement, Sphere, Spring, Stage
 from spheredrive.shape import Profile, profile
-from spheredrive.vibration.links import linked_form
-from spheredrive.vibration.modal import modal_form, output_vectors
+from spheredrive.vibration.model.links import linked_form
+from spheredrive.vibration.model.modal import modal_form, output_vectors
 from spheredrive.wheels import IdealWheel, MecanumWheel, StandardWheel
 
 THETA = math.radians(40)

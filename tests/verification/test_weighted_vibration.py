@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import integrate, signal
 
-from spheredrive.vibration.comfort import WEIGHTINGS, comfort_of_lines, comfort_words, weighted_rms, weighting
-from spheredrive.vibration.comfort_history import comfort_of_history, weighted_history
+from spheredrive.vibration.aboard.comfort import WEIGHTINGS, comfort_of_lines, comfort_words, weighted_rms, weighting
+from spheredrive.vibration.aboard.comfort_history import comfort_of_history, weighted_history
 
 # Tables 3 and 4 of the standard, factors times 1000, at the nominal third-octave frequencies.
 # fmt: off

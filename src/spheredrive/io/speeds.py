@@ -11,8 +11,8 @@ from spheredrive.io.quantity import parse, parse_list
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
-    from spheredrive.vibration.equations import Isolator as Springs
-    from spheredrive.vibration.isolation import Isolator
+    from spheredrive.vibration.aboard.isolation import ChosenIsolator
+    from spheredrive.vibration.model.equations import Isolator
 
 
 def parse_speeds(text: str, wheel_count: int) -> np.ndarray:
@@ -30,13 +30,13 @@ def parse_speeds(text: str, wheel_count: int) -> np.ndarray:
 
 def parse_isolation(
     design: Design, wheel_speed, payload: str | None, isolator: str | None, damping: float | None, wanted: str | None
-) -> tuple[Springs | None, Isolator | None]:
+) -> tuple[Isolator | None, ChosenIsolator | None]:
     """The springs of a payload, and the isolator that was sought where a ``wanted`` acceleration asks for one; None without.
 
     ``payload`` a mass, ``isolator`` a natural frequency, ``wanted`` an acceleration, all with their units; ``damping`` a ratio,
     0.1 if absent. Raises ``SpheredriveError`` where they do not go together, and as ``vibration.isolator_for_design``.
     """
-    from spheredrive.vibration.payload import isolator_for_design, isolator_of_frequency
+    from spheredrive.vibration.aboard.payload import isolator_for_design, isolator_of_frequency
 
     if payload is None:
         if (isolator, damping, wanted) != (None, None, None):

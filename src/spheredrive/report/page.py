@@ -39,7 +39,7 @@ from spheredrive.report.parts import Part, drawn, readable
 from spheredrive.report.vibration import assessed, mean_speeds, vibration_parts
 from spheredrive.simulation.overview import Overview, overview
 from spheredrive.simulation.rolling_run import RollingRun, run_rolling
-from spheredrive.vibration.assessment import Assessment
+from spheredrive.vibration.assessment.assess import Assessment
 
 # A page shows no more than this many samples of a motion; every change of race is worked out whatever the rate.
 SAMPLES = 200_000

@@ -17,7 +17,7 @@ from spheredrive.report.figures.wheel_outlines import outlines, wheel_outlines_c
 from spheredrive.report.parts import Part, drawn
 from spheredrive.simulation.rolling_run import RollingRun
 from spheredrive.summary.vibration import band_rows, comfort_phrase, share_phrase
-from spheredrive.vibration.assessment import Assessment, assess
+from spheredrive.vibration.assessment.assess import Assessment, assess
 
 # Samples over which the mean speed of a motion is taken.
 SAMPLES = 2001

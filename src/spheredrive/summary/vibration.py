@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 from spheredrive.summary.cells import table
 
 if TYPE_CHECKING:
-    from spheredrive.vibration.assessment import Assessment, Moved
-    from spheredrive.vibration.campbell import SpeedBand
-    from spheredrive.vibration.comfort import Comfort
-    from spheredrive.vibration.isolation import Isolator
+    from spheredrive.vibration.aboard.comfort import Comfort
+    from spheredrive.vibration.aboard.isolation import ChosenIsolator
+    from spheredrive.vibration.assessment.assess import Assessment, Moved
+    from spheredrive.vibration.spectra.campbell import SpeedBand
 
 LINES = 8
 BANDS = 8
 WHEELS = 24
 
 
-def vibration_text(a: Assessment, chosen: Isolator | None = None) -> str:
+def vibration_text(a: Assessment, chosen: ChosenIsolator | None = None) -> str:
     """What ``spheredrive vibration`` prints: sizes, wheels, lines, speeds to avoid, comfort and findings.
 
     ``chosen`` is the isolator that was sought for the payload, where one was.
@@ -95,7 +95,7 @@ def _wheel_lines(a: Assessment) -> list[str]:
 
 
 def _spectrum_lines(a: Assessment) -> list[str]:
-    from spheredrive.vibration.assessment_dict import line_rows
+    from spheredrive.vibration.assessment.as_dict import line_rows
 
     if a.sphere is None or not len(a.sphere.spectrum.frequency):
         return []
@@ -154,7 +154,7 @@ def band_rows(bands: tuple[SpeedBand, ...]) -> list[tuple[str, ...]]:
     return rows
 
 
-def _isolator_lines(a: Assessment, chosen: Isolator | None) -> list[str]:
+def _isolator_lines(a: Assessment, chosen: ChosenIsolator | None) -> list[str]:
     if chosen is not None and math.isinf(chosen.natural_frequency):
         return ["  Isolator: none needed, the payload fixed to the sphere has "
                 f"{chosen.acceleration:.4g} m/s²"]  # fmt: skip

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from spheredrive.report.figures.style import GREY, INK, LIGHT, styled, wheel_colour, wheel_dashes
-from spheredrive.vibration.assessment import Assessment
+from spheredrive.vibration.assessment.assess import Assessment
 
 BAND = "#f6c28b"
 # Harmonics weaker than this share of a shape's strongest are left out, and all above MOST that meet nothing.
@@ -51,7 +51,7 @@ def _top(a: Assessment) -> float:
 def patterns(a: Assessment) -> list[tuple[float, list[int]]]:
     """Period of each different pattern, rad, and the harmonics that it has in any strength or that meet a mode."""
     from spheredrive.shape import profiles
-    from spheredrive.vibration.spectrum import shape_harmonics
+    from spheredrive.vibration.spectra.spectrum import shape_harmonics
 
     found: dict[float, list[int]] = {}
     wheels = profiles(a.design)

@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from spheredrive.report.figures.log_axis import label_powers
 from spheredrive.report.figures.style import GREY, INK, styled, wheel_colour, wheel_dashes
-from spheredrive.vibration.assessment import Assessment
-from spheredrive.vibration.assessment_dict import line_rows
-from spheredrive.vibration.resonances import oscillating
+from spheredrive.vibration.assessment.as_dict import line_rows
+from spheredrive.vibration.assessment.assess import Assessment
+from spheredrive.vibration.spectra.resonances import oscillating
 
 # Lines below this share of the largest are not drawn, nor more than MOST of a wheel, the strongest by velocity.
 LEAST = 1e-4

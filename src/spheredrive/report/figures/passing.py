@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from spheredrive.report.figures.style import AXES, LIGHT, styled, wheel_colour, wheel_dashes
 from spheredrive.report.figures.thinning import thinned
-from spheredrive.vibration.assessment import Assessment
+from spheredrive.vibration.assessment.assess import Assessment
 
 SAMPLES = 2400
 # No more passings than these of the fastest pattern, nor swings of the slowest mode: beyond, lines would be solid areas.

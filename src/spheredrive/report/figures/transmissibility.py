@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from spheredrive.report.figures.log_axis import label_powers
 from spheredrive.report.figures.style import GREY, LIGHT, styled, wheel_colour, wheel_dashes
-from spheredrive.vibration.assessment import Assessment
-from spheredrive.vibration.modes import transmissibility
+from spheredrive.vibration.assessment.assess import Assessment
+from spheredrive.vibration.model.modes import transmissibility
 
 SAMPLES = 500
 LISTED = 14

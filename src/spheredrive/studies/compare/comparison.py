@@ -18,8 +18,8 @@ from spheredrive.shape import profiles
 from spheredrive.simulation.preload import least_preload
 from spheredrive.studies.compare.machines import Machine
 from spheredrive.studies.compare.motions import motion_alike, speeds_alike
-from spheredrive.vibration.assessment import Assessment, assess
-from spheredrive.vibration.pressing import pressing_force
+from spheredrive.vibration.assessment.assess import Assessment, assess
+from spheredrive.vibration.assessment.pressing import pressing_force
 
 # The speed of every wheel of the first design where none is given, rad/s.
 DEFAULT_SPEED = 1.0

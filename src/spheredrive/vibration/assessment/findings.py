@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spheredrive.checking import Finding
-from spheredrive.vibration.equations import contacts_of
+from spheredrive.vibration.model.equations import contacts_of
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
-    from spheredrive.vibration.assessment import ContactForce
-    from spheredrive.vibration.comfort import Comfort
-    from spheredrive.vibration.resonances import Excited
-    from spheredrive.vibration.response import Impulse
+    from spheredrive.vibration.aboard.comfort import Comfort
+    from spheredrive.vibration.assessment.assess import ContactForce
+    from spheredrive.vibration.motion.response import Impulse
+    from spheredrive.vibration.spectra.resonances import Excited
 
 # A force below this share of the largest is none.
 NONE = 1e-9

@@ -15,10 +15,11 @@ import numpy as np
 
 from spheredrive.errors import DesignError, SpheredriveError
 from spheredrive.values import checked_number
-from spheredrive.vibration import equations, isolation
-from spheredrive.vibration.response import checked_wheels, response
-from spheredrive.vibration.spectrum import order_spectrum, shape_harmonics
-from spheredrive.vibration.system import LinearSystem, linear_system
+from spheredrive.vibration.aboard import isolation
+from spheredrive.vibration.model import equations
+from spheredrive.vibration.model.system import LinearSystem, linear_system
+from spheredrive.vibration.motion.response import checked_wheels, response
+from spheredrive.vibration.spectra.spectrum import order_spectrum, shape_harmonics
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
@@ -67,7 +68,7 @@ def isolator_for_design(
     weighted: bool = False,
     largest_sag: float = math.inf,
     largest_stroke: float = math.inf,
-) -> isolation.Isolator:
+) -> isolation.ChosenIsolator:
     """The stiffest isolator that brings a payload inside the sphere to a wanted RMS acceleration at constant wheel speeds.
 
     wheel_speed   rad/s, (n,); wheel_angle  ϑ at t = 0, rad, (n,)

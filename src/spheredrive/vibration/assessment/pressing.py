@@ -8,7 +8,7 @@ import numpy as np
 
 from spheredrive.dynamics.loads import preload_direction, pressing_direction
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.equations import contacts_of
+from spheredrive.vibration.model.equations import contacts_of
 
 if TYPE_CHECKING:
     from spheredrive.design import Design

@@ -10,8 +10,8 @@ import numpy as np
 
 from spheredrive.design import GRAVITY
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration import lines
-from spheredrive.vibration.comfort import comfort_of_lines
+from spheredrive.vibration.aboard.comfort import comfort_of_lines
+from spheredrive.vibration.spectra import lines
 
 # How densely the search looks, as a share of frequency. Each line has its resonance and a dip beside it; dips that fall
 # between two tries are followed to their ground.
@@ -53,7 +53,7 @@ def dynamic_mass(frequency, payload_mass: float, natural_frequency: float, dampi
 
 
 @dataclass(frozen=True)
-class Isolator:
+class ChosenIsolator:
     """Springs and dampers alike in every direction, between the sphere and its payload.
 
     natural_frequency   f_n of the payload on a base that stands still, Hz
@@ -96,7 +96,7 @@ def isolator_for(
     largest_stroke: float = math.inf,
     gravity: float = GRAVITY,
     base: Callable[[float], np.ndarray] | None = None,
-) -> Isolator:
+) -> ChosenIsolator:
     """The stiffest isolator that brings a payload's RMS acceleration to the wanted value.
 
     frequency             of the lines of the sphere's centre, Hz, (l,), as ``OrderSpectrum.combined`` gives them
@@ -111,7 +111,7 @@ def isolator_for(
     base                  f_n → displacement (l, 3) of the centre at the frequencies, rising, with the isolated payload inside,
                           see ``loaded_centre``; left out, the payload is too light to change the sphere's motion
 
-    Returns ``Isolator``; infinitely stiff where the payload may sit on the sphere directly. The answer need not fall steadily
+    The answer is infinitely stiff where the payload may sit on the sphere directly. The payload's motion need not fall steadily
     with f_n, as each line has its resonance: all frequencies from above the highest line down are tried in steps of 1 %, and
     the first that does is refined. Raises ``SpheredriveError`` where none does, saying what the softest leaves, and for
     numbers that no isolator has. Assumes the same stiffness in all directions, through the payload's centre of mass: then
@@ -124,7 +124,7 @@ def isolator_for(
     if not (math.isfinite(damping_ratio) and damping_ratio >= 0) or not gravity >= 0 or not (largest_sag > 0 < largest_stroke):
         raise SpheredriveError("an isolator takes damping and gravity that are not negative and sag and stroke above zero")
 
-    def tried(f_n: float, bare: float = math.nan) -> Isolator:
+    def tried(f_n: float, bare: float = math.nan) -> ChosenIsolator:
         centre = displacement if base is None else base(f_n)
         return _isolator(frequency, centre, f_n, damping_ratio, payload_mass, weighted, gravity, bare)
 
@@ -170,12 +170,12 @@ def loaded_centre(
     return centre
 
 
-def _isolator(frequency, displacement, f_n, zeta, mass, weighted, gravity, bare) -> Isolator:
+def _isolator(frequency, displacement, f_n, zeta, mass, weighted, gravity, bare) -> ChosenIsolator:
     ratio = frequency / f_n
     acceleration = -((2 * math.pi * frequency[:, None]) ** 2) * displacement
     travel = relative_motion(ratio, zeta)[:, None] * displacement
     k = mass * (2 * math.pi * f_n) ** 2
-    return Isolator(
+    return ChosenIsolator(
         natural_frequency=float(f_n),
         damping_ratio=zeta,
         payload_mass=mass,
@@ -226,7 +226,7 @@ def _edge(excess: Callable[[float], float], inside: float, outside: float) -> fl
     return float(inside)
 
 
-def _impossible(softest: Isolator, wanted: float, largest_sag: float, largest_stroke: float) -> str:
+def _impossible(softest: ChosenIsolator, wanted: float, largest_sag: float, largest_stroke: float) -> str:
     limits = [
         f"{name} up to {value:g} m" for name, value in (("sag", largest_sag), ("stroke", largest_stroke)) if value < math.inf
     ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spheredrive.errors import SpheredriveError, UnknownNameError
-from spheredrive.vibration.comfort import UPRIGHT, WEIGHTINGS, Comfort, comfort, upward, weighting
+from spheredrive.vibration.aboard.comfort import UPRIGHT, WEIGHTINGS, Comfort, comfort, upward, weighting
 
 # MTVV is the largest RMS over this time, s (ISO 2631-1:1997, 6.3.1).
 RUNNING_TIME = 1.0

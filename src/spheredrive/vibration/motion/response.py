@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spheredrive.errors import SingularError, SpheredriveError
-from spheredrive.vibration.orbit import Orbits, orbits, outputs_at
-from spheredrive.vibration.shapes import Shapes, shapes_of, with_rates
-from spheredrive.vibration.spectrum import OrderSpectrum, order_spectrum, shape_harmonics
-from spheredrive.vibration.steady import statistics
-from spheredrive.vibration.system import LinearSystem, linear_system
+from spheredrive.vibration.model.system import LinearSystem, linear_system
+from spheredrive.vibration.motion.orbit import Orbits, orbits, outputs_at
+from spheredrive.vibration.motion.shapes import Shapes, shapes_of, with_rates
+from spheredrive.vibration.motion.steady import statistics
+from spheredrive.vibration.spectra.spectrum import OrderSpectrum, order_spectrum, shape_harmonics
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
-    from spheredrive.vibration.equations import Isolator
+    from spheredrive.vibration.model.equations import Isolator
 
 
 class Sizes(NamedTuple):

@@ -11,14 +11,14 @@ import numpy as np
 
 from spheredrive.compiled import njit
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.equations import closure_matrices, contact_equations, contact_rows, contacts_of
-from spheredrive.vibration.links import linked_form
-from spheredrive.vibration.modal import ILL, modal_form, undamped_modes
-from spheredrive.vibration.orbit import orbits
-from spheredrive.vibration.shapes import Shapes, shapes_of
-from spheredrive.vibration.small import solve
-from spheredrive.vibration.steady import statistics
-from spheredrive.vibration.system import linear_system, outputs
+from spheredrive.vibration.model.equations import closure_matrices, contact_equations, contact_rows, contacts_of
+from spheredrive.vibration.model.links import linked_form
+from spheredrive.vibration.model.modal import ILL, modal_form, undamped_modes
+from spheredrive.vibration.model.small import solve
+from spheredrive.vibration.model.system import linear_system, outputs
+from spheredrive.vibration.motion.orbit import orbits
+from spheredrive.vibration.motion.shapes import Shapes, shapes_of
+from spheredrive.vibration.motion.steady import statistics
 
 if TYPE_CHECKING:
     from spheredrive.design import Design

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spheredrive.errors import SpheredriveError, UnknownNameError
-from spheredrive.vibration.lines import checked_lines, merged_lines
+from spheredrive.vibration.spectra.lines import checked_lines, merged_lines
 
 UPRIGHT = (0.0, 0.0, 1.0)
 

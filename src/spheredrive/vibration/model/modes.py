@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.system import LinearSystem, linear_system
+from spheredrive.vibration.model.system import LinearSystem, linear_system
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
-    from spheredrive.vibration.equations import Isolator
+    from spheredrive.vibration.model.equations import Isolator
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spheredrive.compiled import njit
-from spheredrive.vibration.pieces import BEYOND, TERMS, compose, difference, evaluate, expand, expm1, parts, used_terms
+from spheredrive.vibration.motion.pieces import BEYOND, TERMS, compose, difference, evaluate, expand, expm1, parts, used_terms
 
 # A pole whose period fits into the pattern's this closely is hit by a harmonic.
 HIT = 1e-13

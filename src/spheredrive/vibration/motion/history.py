@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from spheredrive.compiled import njit
-from spheredrive.vibration.pieces import BEYOND, TERMS, compose, evaluate, expand, parts, used_terms
+from spheredrive.vibration.motion.pieces import BEYOND, TERMS, compose, evaluate, expand, parts, used_terms
 
 # Samples taken together.
 BATCH = 64

@@ -16,10 +16,10 @@ import numpy as np
 from spheredrive.compiled import njit
 from spheredrive.errors import SpheredriveError, did_you_mean
 from spheredrive.shape import profile
-from spheredrive.vibration.equations import Contacts, Equations, Isolator, contacts_of, equations, seat_force
-from spheredrive.vibration.links import linked_form
-from spheredrive.vibration.modal import ILL, modal_form, output_vectors
-from spheredrive.vibration.small import product, solve, transposed
+from spheredrive.vibration.model.equations import Contacts, Equations, Isolator, contacts_of, equations, seat_force
+from spheredrive.vibration.model.links import linked_form
+from spheredrive.vibration.model.modal import ILL, modal_form, output_vectors
+from spheredrive.vibration.model.small import product, solve, transposed
 
 if TYPE_CHECKING:
     from spheredrive.design import Design

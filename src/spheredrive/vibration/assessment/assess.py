@@ -10,16 +10,16 @@ import numpy as np
 from spheredrive.checking import Finding
 from spheredrive.errors import SingularError, SpheredriveError
 from spheredrive.shape import excitation, profiles
-from spheredrive.vibration import findings as said
-from spheredrive.vibration.comfort import Comfort, comfort_of_lines
-from spheredrive.vibration.equations import Isolator, contacts_of, seat_force
-from spheredrive.vibration.full_spectrum import full_spectrum
-from spheredrive.vibration.modes import Modes, modes
-from spheredrive.vibration.payload import without_payload
-from spheredrive.vibration.resonances import Excited, Resonances, excited_modes, first_meeting, resonances
-from spheredrive.vibration.response import Impulse, Response, Sizes, checked_wheels, response
-from spheredrive.vibration.spectrum import OrderSpectrum
-from spheredrive.vibration.system import linear_system
+from spheredrive.vibration.aboard.comfort import Comfort, comfort_of_lines
+from spheredrive.vibration.aboard.payload import without_payload
+from spheredrive.vibration.assessment import findings as said
+from spheredrive.vibration.model.equations import Isolator, contacts_of, seat_force
+from spheredrive.vibration.model.modes import Modes, modes
+from spheredrive.vibration.model.system import linear_system
+from spheredrive.vibration.motion.response import Impulse, Response, Sizes, checked_wheels, response
+from spheredrive.vibration.spectra.full_spectrum import full_spectrum
+from spheredrive.vibration.spectra.resonances import Excited, Resonances, excited_modes, first_meeting, resonances
+from spheredrive.vibration.spectra.spectrum import OrderSpectrum
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
@@ -113,7 +113,7 @@ class Assessment:
 
     def as_dict(self) -> dict:
         """Plain values for JSON, SI with units in the names; what is infinite or not known becomes null."""
-        from spheredrive.vibration.assessment_dict import assessment_dict
+        from spheredrive.vibration.assessment.as_dict import assessment_dict
 
         return assessment_dict(self)
 

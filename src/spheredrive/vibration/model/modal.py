@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from spheredrive.compiled import njit
-from spheredrive.vibration.small import inverse_factor, product, scaled, size, transposed
+from spheredrive.vibration.model.small import inverse_factor, product, scaled, size, transposed
 
 # Poles closer than this share of their size are kept linked.
 CLOSE = 0.01

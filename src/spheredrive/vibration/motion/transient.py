@@ -12,11 +12,12 @@ import numpy as np
 from spheredrive.errors import SpheredriveError, did_you_mean
 from spheredrive.motion import Motion, Series
 from spheredrive.values import checked_number
-from spheredrive.vibration.equations import contacts_of
-from spheredrive.vibration.history import locate, march
-from spheredrive.vibration.modal import output_vectors
-from spheredrive.vibration.orbit import orbits, steady_states
-from spheredrive.vibration.response import (
+from spheredrive.vibration.model.equations import contacts_of
+from spheredrive.vibration.model.modal import output_vectors
+from spheredrive.vibration.model.system import LinearSystem, linear_system
+from spheredrive.vibration.motion.history import locate, march
+from spheredrive.vibration.motion.orbit import orbits, steady_states
+from spheredrive.vibration.motion.response import (
     Instant,
     LostContact,
     Sizes,
@@ -25,11 +26,10 @@ from spheredrive.vibration.response import (
     instant,
     refuse_resonance,
 )
-from spheredrive.vibration.system import LinearSystem, linear_system
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
-    from spheredrive.vibration.equations import Isolator
+    from spheredrive.vibration.model.equations import Isolator
 
 STARTS = ("rest", "steady")
 # Samples a block holds unless another number is asked for.

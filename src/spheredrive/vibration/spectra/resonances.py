@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spheredrive.vibration.campbell import Crossing, SpeedBand, critical_speeds, speeds_to_avoid
-from spheredrive.vibration.lines import SAME_FREQUENCY
-from spheredrive.vibration.modes import Modes
-from spheredrive.vibration.spectrum import OrderSpectrum, shape_harmonics
-from spheredrive.vibration.system import LinearSystem
+from spheredrive.vibration.model.modes import Modes
+from spheredrive.vibration.model.system import LinearSystem
+from spheredrive.vibration.spectra.campbell import Crossing, SpeedBand, critical_speeds, speeds_to_avoid
+from spheredrive.vibration.spectra.lines import SAME_FREQUENCY
+from spheredrive.vibration.spectra.spectrum import OrderSpectrum, shape_harmonics
 
 # Harmonics of a shape that are looked at; those of a valley's corner fall with the square of their number.
 HARMONICS = 20

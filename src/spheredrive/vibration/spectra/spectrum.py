@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spheredrive.errors import SpheredriveError
-from spheredrive.vibration.lines import merged_lines
+from spheredrive.vibration.spectra.lines import merged_lines
 
 if TYPE_CHECKING:
     from spheredrive.shape import Profile

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spheredrive.vibration import lines
-from spheredrive.vibration.resonances import wheel_lines
-from spheredrive.vibration.spectrum import OrderSpectrum
+from spheredrive.vibration.spectra import lines
+from spheredrive.vibration.spectra.resonances import wheel_lines
+from spheredrive.vibration.spectra.spectrum import OrderSpectrum
 
 if TYPE_CHECKING:
-    from spheredrive.vibration.response import Response
+    from spheredrive.vibration.motion.response import Response
 
 COUNTS = (100, 400, 1600, 6400)
 # Lines that hold this share of the mean square acceleration are enough, once they reach as far as any weighting of comfort.

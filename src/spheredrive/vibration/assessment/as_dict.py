@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from spheredrive.vibration.assessment import Assessment, Moved
-    from spheredrive.vibration.comfort import Comfort
-    from spheredrive.vibration.isolation import Isolator
-    from spheredrive.vibration.spectrum import OrderSpectrum
+    from spheredrive.vibration.aboard.comfort import Comfort
+    from spheredrive.vibration.aboard.isolation import ChosenIsolator
+    from spheredrive.vibration.assessment.assess import Assessment, Moved
+    from spheredrive.vibration.spectra.spectrum import OrderSpectrum
 
 # Lines and crossings told.
 LINES = 40
@@ -152,7 +152,7 @@ def _finite(number: float) -> float | None:
     return float(number) if math.isfinite(number) else None
 
 
-def isolator_dict(chosen: Isolator) -> dict[str, Any]:
+def isolator_dict(chosen: ChosenIsolator) -> dict[str, Any]:
     """An isolator that was sought; what is infinite, as for a payload that may be fixed to the sphere, becomes null."""
     units = {"natural_frequency": "hz", "damping_ratio": "", "payload_mass": "kg", "stiffness": "n_m", "damping": "n_s_m",
              "sag": "m", "stroke": "m", "acceleration": "m_s2", "bare_acceleration": "m_s2"}  # fmt: skip

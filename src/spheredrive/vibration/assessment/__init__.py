@@ -1,0 +1,1 @@
+"""Everything an engineer reads of a vibration at constant speeds, with findings."""

@@ -1,0 +1,1 @@
+"""The linear system of a design: equations, poles, natural frequencies and modes."""
