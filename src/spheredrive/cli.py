@@ -152,6 +152,7 @@ def vibration(
     from spheredrive.vibration.assessment.assess import assess
 
     loaded = load_design(design)
+    _warn_of_compiling()
     wheel_speed = parse_speeds(speeds, loaded.wheel_count)
     springs, chosen = parse_isolation(loaded, wheel_speed, payload, isolator, isolator_damping, wanted)
     result = assess(loaded, wheel_speed, model, isolator=springs)
@@ -195,6 +196,7 @@ def compare(
     from spheredrive.studies.compare import machines
     from spheredrive.studies.compare.text import comparison_text
 
+    _warn_of_compiling()
     if not designs:
         raise SpheredriveError("there is nothing to compare: name design files, or one and --wheel with parts of the catalogue")
     loaded = [load_design(design) for design in designs]
@@ -505,6 +507,7 @@ def _write_report(design: Design, motion: Motion | None, output: Path, speeds=No
     from spheredrive.io.files import write_whole
     from spheredrive.report.page import page
 
+    _warn_of_compiling()
     found = page(design, motion, speeds)
     write_whole(output, found.html)
     return found.works
@@ -532,6 +535,14 @@ def _progress(what: str) -> Iterator[Callable[[float], None]]:
         timer.cancel()
         timer.join()
         bar.stop()
+
+
+def _warn_of_compiling() -> None:
+    """Tell whoever watches why the first answer takes long."""
+    if sys.stderr.isatty():
+        from spheredrive.compiled import when_compiling
+
+        when_compiling(lambda: _note("Compiling the equations for this machine; it takes up to a minute, this once."))
 
 
 def _one_paragraph(text: str) -> str:

@@ -6,7 +6,10 @@ in every process, instead of failing.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numba
+from numba.core import event
 
 
 def njit(**options):
@@ -21,3 +24,20 @@ def njit(**options):
             return numba.njit(**options)(function)
 
     return decorate
+
+
+def when_compiling(say: Callable[[], None]) -> None:
+    """Have ``say`` called once when a function is compiled in this process, which is not kept on disk yet."""
+
+    class Once(event.Listener):
+        said = False
+
+        def on_start(self, _):
+            if not self.said:
+                self.said = True
+                say()
+
+        def on_end(self, _):
+            """Nothing is said of the end."""
+
+    event.register("numba:compile", Once())
