@@ -13,11 +13,15 @@ import numpy as np
 from spheredrive.compiled import njit
 from spheredrive.vibration.motion.groups import group_outputs
 
-# Directions in which the largest joint excursion is looked for first: evenly spread (a golden spiral).
-_k = np.arange(8) + 0.5
-_z = 1 - _k / 4
+# Directions in which the largest joint excursion is looked for: evenly spread (a golden spiral), so that none is farther than
+# ``APART`` from one of them, rad.
+_k = np.arange(128) + 0.5
+_z = 1 - _k / 64
 _turn = 2.399963229728653 * _k
-DIRECTIONS = np.stack([np.sqrt(1 - _z**2) * np.cos(_turn), np.sqrt(1 - _z**2) * np.sin(_turn), _z], axis=1)
+DIRECTIONS = np.stack([np.sqrt(1 - _z**2) * np.cos(_turn), np.sqrt(1 - _z**2) * np.sin(_turn), _z])
+APART = 0.241
+# How many of them are climbed from at most.
+STARTS = 12
 # Places near which a peak is followed up to its top.
 CANDIDATES = 4
 # How often the direction of a joint peak is turned towards the refined peak.
@@ -25,41 +29,49 @@ TURNS = 4
 
 
 @njit(error_model="numpy")
-def _farthest(nodes, column, ux, uy, uz):
-    """The node farthest along (ux, uy, uz), of every fourth one: enough to find a direction, along which all are looked at."""
-    best, where = -np.inf, 0
-    for k in range(0, nodes.shape[0], 4):
-        value = ux * nodes[k, column] + uy * nodes[k, column + 1] + uz * nodes[k, column + 2]
-        if value > best:
-            best, where = value, k
-    return where
+def _reaches(nodes, first, count, column, base):
+    """max û · Σ y_g over all nodes of all groups for each of ``DIRECTIONS``."""
+    ux, uy, uz = DIRECTIONS
+    total = base[column] * ux + base[column + 1] * uy + base[column + 2] * uz
+    most = np.empty(total.size)
+    for g in range(count):
+        most[:] = -np.inf
+        for k in range(first[g], first[g + 1]):
+            x, y, z = nodes[k, column], nodes[k, column + 1], nodes[k, column + 2]
+            # Directions go innermost, so that the compiler uses vector instructions.
+            for d in range(most.size):
+                value = x * ux[d] + y * uy[d] + z * uz[d]
+                most[d] = value if value > most[d] else most[d]
+        total += most
+    return total
 
 
 @njit(error_model="numpy")
-def _climb(nodes, first, count, column, base, x, y, z, place, known):
-    """Climb from a direction to the farthest joint point near it: every group its farthest node, then towards their sum.
+def _climb(nodes, first, count, column, base, x, y, z, place):
+    """Climb from a direction to a farthest joint point: every group its farthest node along it, then towards their sum.
 
-    ``place`` holds each group's node; returns the distance, or 0 as soon as the way leads to the nodes ``known`` already.
+    ``place`` holds each group's node; returns the distance.
     """
     size = 0.0
-    for _ in range(20):
+    for _ in range(30):
         length = math.sqrt(x * x + y * y + z * z)
         if length == 0.0:
             return size
-        x, y, z = x / length, y / length, z / length
-        a, b, c = base[column], base[column + 1], base[column + 2]
-        new = False
+        ux, uy, uz = x / length, y / length, z / length
+        x, y, z = base[column], base[column + 1], base[column + 2]
+        moved = False
         for g in range(count):
-            k = first[g] + _farthest(nodes[first[g] : first[g + 1]], column, x, y, z)
-            place[g] = k
-            new = new or k != known[g]
-            a, b, c = a + nodes[k, column], b + nodes[k, column + 1], c + nodes[k, column + 2]
-        if not new:
-            return 0.0
-        further = math.sqrt(a * a + b * b + c * c)
-        if further <= size * (1 + 1e-13):
+            best, where = -np.inf, first[g]
+            for k in range(first[g], first[g + 1]):
+                value = ux * nodes[k, column] + uy * nodes[k, column + 1] + uz * nodes[k, column + 2]
+                if value > best:
+                    best, where = value, k
+            moved = moved or place[g] != where
+            place[g] = where
+            x, y, z = x + nodes[where, column], y + nodes[where, column + 1], z + nodes[where, column + 2]
+        size = math.sqrt(x * x + y * y + z * z)
+        if not moved:
             return size
-        size, x, y, z = further, a, b, c
     return size
 
 
@@ -225,28 +237,17 @@ def peak_length(system, orbit, group, times, joint, count, column, base, nodes, 
     point = np.zeros(3)
     if count == 1:
         return _single_peak(system, orbit, group, times, joint[0], column, base, nodes, node_times, room, point)
-    place, best_place = np.zeros(count, np.int64), np.full(count, -1)
-    extreme = np.zeros((count, 2), np.int64)
-    for g in range(count):
-        own = nodes[first[g] : first[g + 1]]
-        longest, k = -1.0, 0
-        for i in range(own.shape[0]):
-            value = own[i, column] ** 2 + own[i, column + 1] ** 2 + own[i, column + 2] ** 2
-            if value > longest:
-                longest, k = value, i
-        extreme[g, 0] = first[g] + k
-        extreme[g, 1] = first[g] + _farthest(own, column, -own[k, column], -own[k, column + 1], -own[k, column + 2])
+    place, best_place = np.full(count, -1), np.full(count, -1)
+    reach = _reaches(nodes, first, count, column, base)
     best = 0.0
-    combinations = 2 ** min(count, 4)
-    for start in range(combinations + DIRECTIONS.shape[0]):
-        x, y, z = b0, b1, b2
-        for g in range(count):
-            k = extreme[g, (start >> g) & 1 if g < 4 else 0]
-            x, y, z = x + nodes[k, column], y + nodes[k, column + 1], z + nodes[k, column + 2]
-        if start >= combinations:
-            d = start - combinations
-            x, y, z = DIRECTIONS[d, 0], DIRECTIONS[d, 1], DIRECTIONS[d, 2]
-        size = _climb(nodes, first, count, column, base, x, y, z, place, best_place)
+    for _ in range(STARTS):
+        d = np.argmax(reach)
+        # No direction near this one reaches beyond reach/cos APART: the largest has been found.
+        if reach[d] < best * math.cos(APART):
+            break
+        reach[d] = -np.inf
+        place[:] = -1
+        size = _climb(nodes, first, count, column, base, DIRECTIONS[0, d], DIRECTIONS[1, d], DIRECTIONS[2, d], place)
         if size > best:
             best = size
             best_place[:] = place
