@@ -76,10 +76,10 @@ class Response:
 
     Peaks are lengths of vectors. Wheels whose patterns pass in a ratio of whole numbers up to 60 come back together and keep
     the phases given; all others meet in every combination of phases in the long run, and peaks and forces are the extremes over
-    all of these. Extremes are followed between sampled places to about 1e-6 of themselves; where three or more wheels
-    meet in all phases and ring, there are many tops of nearly one height, and the one found may be a few thousandths short.
-    Where a corner makes the acceleration jump both values count; on rigid contacts it is the acceleration off the corners, and ``impulses`` has the
-    rest.
+    all of these. Extremes are followed between sampled places to about 1e-6 of themselves; where three or more wheels meet in
+    all phases and ring, there are many tops of nearly one height, and the one found may be a few thousandths short. Where a
+    corner makes the acceleration jump both values count; on rigid contacts it is the acceleration off the corners, and
+    ``impulses`` has the rest.
     """
 
     system: LinearSystem
