@@ -249,3 +249,12 @@ def test_transmissibility_asks_for_a_payload_that_is_there():
         vibration.transmissibility(machine(), 1.0, of="payload")
     with pytest.raises(SpheredriveError, match="sphere"):
         vibration.frequency_response(machine(IdealWheel(radius=0.0758)), 1.0, of="wheel")
+
+
+def test_response_refuses_wheels_that_crawl_under_a_machine_that_rings():
+    """Each swing has to be followed; damping lets it die, and then any speed will do."""
+    ringing = replace(machine(), contact=Contact(188208.0))
+    with pytest.raises(SpheredriveError, match="wheel 2 turns so slowly"):
+        vibration.response(ringing, (1.0, 1e-7, 2.0))
+    damped = replace(machine(), contact=Contact(188208.0, 2000.0), mount=Mount())
+    assert vibration.response(damped, (1.0, 1e-7, 2.0)).rms_acceleration > 0

@@ -24,8 +24,6 @@ from spheredrive.vibration.spectra.spectrum import OrderSpectrum
 if TYPE_CHECKING:
     from spheredrive.design import Design
 
-# Swings of a mode that are followed while a pattern passes.
-SWINGS = 2e5
 NO_MODES = Modes(np.zeros(0), np.zeros((0, 0)), (), np.zeros(0, complex), np.zeros(0), np.zeros(0))
 
 
@@ -140,7 +138,6 @@ def assess(
     system = linear_system(carrier, model, isolator)
     largest = _largest_speed(design, speed, first_meeting(system, found))
     met = resonances(system, found, largest)
-    _refuse_crawling(found, excited_by)
     try:
         steady = response(carrier, speed, model, angle, isolator)
     except SingularError as error:
@@ -203,25 +200,6 @@ def _round(design: Design, carrier: Design, model: str, speed, isolator, excited
     return Assessment(
         design, model, speed, isolator, found, excited_by, None, moved, payload, forces, (), met, largest, (), told
     )
-
-
-def _refuse_crawling(found: Modes, excited_by: tuple[WheelExcitation, ...]) -> None:
-    """Raise where the machine would swing too often while one roller passes: each swing has to be followed."""
-    passing = [e.passing_frequency for e in excited_by if e.speed and e.depth]
-    if not passing or not len(found.poles):
-        return
-    longest = 1 / min(passing)
-    with np.errstate(divide="ignore"):
-        # What a mode does to a corner has died after some forty of its time constants.
-        lasting = np.minimum(longest, 40 / np.maximum(-found.poles.real, 0.0))
-    swings = float((found.damped_frequencies * lasting).max())
-    if swings > SWINGS:
-        slowest = min((e for e in excited_by if e.speed and e.depth), key=lambda e: e.passing_frequency)
-        raise SpheredriveError(
-            f"wheel {slowest.wheel} turns so slowly that the machine swings {swings:.2g} times while one of its rollers "
-            f"passes, and nothing damps it; a roller has to pass within {SWINGS / found.damped_frequencies.max():.2g} s: give "
-            "more speed, or contact.damping"
-        )
 
 
 def _excitations(design: Design, speed: np.ndarray) -> tuple[WheelExcitation, ...]:

@@ -62,6 +62,10 @@ class LostContact(NamedTuple):
     least_force: float
 
 
+# More swings of the machine than this while one roller passes are refused: a number would wait for minutes.
+SWINGS = 2e5
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """Steady motion of the sphere's centre about the nominal seat of round wheels, at constant wheel speeds.
@@ -191,12 +195,13 @@ def response(
 
     Other arguments as ``linear_system`` (``closure_sign``, ``measure``, ``normal_force``, ``profiles``). An undamped machine
     keeps what it starts with for ever; its steady motion is the one with the periods of the wheels alone. Raises
-    ``SingularError`` where a harmonic of a wheel hits an undamped natural frequency, and what ``linear_system`` raises. Source:
-    model.md section 5b.
+    ``SingularError`` where a harmonic of a wheel hits an undamped natural frequency, ``SpheredriveError`` where the machine
+    would ring too often while one roller passes, and what ``linear_system`` raises. Source: model.md section 5b.
     """
     ls = linear_system(design, model, isolator, **options)
     speed, angle = checked_wheels(design, wheel_speed, wheel_angle)
     shapes, per_input = input_shapes(ls, speed)
+    _refuse_crawling(ls, speed)
     orbit, hit = orbits(ls.system, shapes, speed[per_input], angle[per_input])
     refuse_resonance(ls, speed, hit)
     degree = shapes.coefficients.shape[2] - 1
@@ -243,6 +248,27 @@ def input_shapes(ls: LinearSystem, speed: np.ndarray) -> tuple[Shapes, np.ndarra
     if ls.thesis_measure:
         return with_rates(shapes, speed[wheel]), np.concatenate([wheel, wheel])
     return shapes, wheel
+
+
+def _refuse_crawling(ls: LinearSystem, speed: np.ndarray) -> None:
+    """Raise where the machine would swing too often while one roller passes: each swing has to be followed."""
+    periods = np.array([shape.period for shape in ls.profiles])
+    turning = np.abs(speed[ls.contacts.wheel]) * [shape.depth > 0 for shape in ls.profiles]
+    if not turning.any() or not len(ls.system.lam):
+        return
+    longest = np.where(turning > 0, periods / np.where(turning > 0, turning, 1.0), 0.0)
+    slowest = int(np.argmax(longest))
+    with np.errstate(divide="ignore"):
+        # What a mode does to a corner has died after some forty of its time constants.
+        lasting = np.minimum(longest[slowest], 40 / np.maximum(-ls.system.lam.real, 0.0))
+    swinging = np.abs(ls.system.lam.imag) / (2 * math.pi)
+    swings = float((swinging * lasting).max())
+    if swings > SWINGS:
+        raise SpheredriveError(
+            f"wheel {ls.contacts.wheel[slowest] + 1} turns so slowly that the machine swings {swings:.2g} times while one of "
+            f"its rollers passes, and nothing damps it; a roller has to pass within {SWINGS / swinging.max():.2g} s: give more "
+            "speed, or contact.damping"
+        )
 
 
 def refuse_resonance(ls: LinearSystem, speed: np.ndarray, hit) -> None:
