@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# A file of tests stays together: its numbers are worked out once.
+TWO_CORES := -n 2 --dist loadfile
 
 .PHONY: demo test test-all lint bench clean
 
@@ -9,10 +11,10 @@ demo: $(VENV)/run
 	$(BIN)/spheredrive demo
 
 test: $(VENV)/dev lint
-	$(BIN)/python -m pytest -m "not long"
+	$(BIN)/python -m pytest $(TWO_CORES) -m "not long"
 
 test-all: $(VENV)/dev lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(TWO_CORES)
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
