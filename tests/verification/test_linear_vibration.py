@@ -287,3 +287,19 @@ def test_closure_spring_along_the_axis_adds_its_stiffness_there():
     modes = vibration.modes(demonstrator(closure=spring))
     axis = math.sqrt((3 * math.sin(THETA) ** 2 * 188208 + 5e4) / 5) / (2 * math.pi)
     assert modes.natural_frequencies[2] == pytest.approx(axis, rel=1e-12)
+
+
+def test_rigid_contacts_on_mounts_shake_the_wheels_mass_too():
+    """Δ = n̂·c − h: M_s c̈ + Σ n̂ (m (n̂·c̈ − ḧ) + c (n̂·ċ − ḣ) + k (n̂·c − h)) = 0, written out for one frequency after another."""
+    mass, m, k, c = 5.0, 0.25, 1e6, 80.0
+    wheel = StandardWheel(radius=0.0758, rollers=14, roundness=0.4485, mass=m)
+    design = replace(atlas(wheel, radius=1.22), sphere=Sphere(1.22, mass), contact=Contact(), mount=Mount(k, c))
+    n_hat = -design.contact_directions
+    held = n_hat.T @ n_hat
+    frequency = np.array([0.1, 30.0, 85.0, 110.0, 400.0, 5000.0])
+    found = vibration.frequency_response(design, frequency)
+    for f, response in zip(frequency, found, strict=True):
+        s = 2j * np.pi * f
+        mount = m * s * s + c * s + k
+        expected = np.linalg.solve(mass * s * s * np.eye(3) + mount * held, mount * n_hat.T)
+        np.testing.assert_allclose(response, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
