@@ -1,8 +1,8 @@
 """The equations of motion of the rolling model (model.md section 5a), compiled.
 
-One function, ``solve``, works out everything that happens at an instant; the integrator takes the rates from it and the
-results the forces, so that no formula is written twice. Vectors are tuples of three numbers and symmetric matrices tuples
-of six (00, 01, 02, 11, 12, 22): views into arrays would cost more than the arithmetic.
+``solve`` works out everything that happens at an instant, forces included. ``driven`` is the short way to the rates of wheels
+driven by torques without resistances, which most steps need; both put together the same few functions, so that no formula
+is written twice. Vectors and matrices are the tuples of ``dynamics.algebra``.
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ from spheredrive.dynamics.rolling import (
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics import active_races, jacobian, slip
 from spheredrive.simulation.inputs import KINDS, inputs_of
+from spheredrive.simulation.lanes import SIZE
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
 # Steps between two looks at the outside world: a progress bar, a wish to stop.
 STEPS_AT_ONCE = 20_000
 FIRST_EVENTS = 4096
-# What the engine keeps of a run's rates: ``simulation.lanes.SIZE``, which would load the compiler here.
-RATES = 19
 # No wheel turns faster, rad/s, a million turns a minute: races would change more often than a run can follow.
 FASTEST = 1e5
 TOO_FAST = 7
@@ -158,7 +157,7 @@ class _Arrays:
         self.samples = np.arange(last + 1) / first.sample_rate
         count, size, k = len(designs), ANGLE + n, len(self.samples)
         self.y = np.zeros((count, size))
-        self.rate = np.zeros((count, RATES))
+        self.rate = np.zeros((count, SIZE))
         self.pitch = np.zeros((count, n), np.int64)
         self.resting = np.zeros((count, n), np.int64)
         for b, (design, motion, start) in enumerate(zip(designs, motions, starts, strict=True)):
