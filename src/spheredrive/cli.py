@@ -84,12 +84,13 @@ def simulate(
     output
         The NetCDF file to write.
     model
-        Model of the machine: rolling.
+        Model of the machine: rolling, or compliant: every roller a contact that gives way, slips and opens.
     """
     from spheredrive.io.design_file import load_design
     from spheredrive.io.files import require_no_input
     from spheredrive.io.motion_file import load_motion
     from spheredrive.io.results import require_writable, write_run
+    from spheredrive.simulation.compliant.overview import compliant_overview
     from spheredrive.simulation.overview import overview
     from spheredrive.simulation.simulate import simulate_run
 
@@ -100,7 +101,7 @@ def simulate(
     try:
         with _progress("Simulating") as watch:
             run, dataset = simulate_run(loaded, asked, model, watch=watch)
-        result = overview(loaded, run, model)
+        result = compliant_overview(loaded, run) if model == "compliant" else overview(loaded, run, model)
         write_run(dataset, output)
     except KeyboardInterrupt:
         _note(f"Stopped: {output} is not written.")
@@ -108,9 +109,9 @@ def simulate(
     if json:
         _print_json({"path": str(output), **result.as_dict()})
     else:
-        from spheredrive.summary import run_text
+        from spheredrive.summary import compliant_text, run_text
 
-        print(f"{output}\n{run_text(result)}")
+        print(f"{output}\n{compliant_text(result) if model == 'compliant' else run_text(result)}")
     return 0 if result.works else EXIT_DOES_NOT_WORK
 
 

@@ -171,6 +171,13 @@ class Contact:
     friction: float | None = quantity("", "coefficient of friction", sign="non-negative", default=None)
     rolling_arm: float | None = quantity("m", "lever arm of rolling resistance", sign="non-negative", default=None)
     spin_arm: float | None = quantity("m", "lever arm of spin resistance", sign="non-negative", default=None)
+    law: str = word(
+        "normal force by depth: straight, or with Hertz's power 3/2 by the moduli", ("linear", "hertz"), default="linear"
+    )
+    dissipation: float = quantity(
+        "s/m", "damping after Hunt and Crossley: share of the normal force by rate of depth", sign="non-negative", default=0.0
+    )
+    creep_speed: float = quantity("m/s", "slip speed at which friction has 71 % of its full size", default=1e-4)
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -113,6 +113,12 @@ class Motion:
     orientation: tuple[float, ...] = quantity(
         "", "at the start, scalar first, body to inertial", sign="any", shape=(4,), default=(1.0, 0.0, 0.0, 0.0)
     )
+    centre_displacement: tuple[float, ...] | None = quantity(
+        "m", "of the sphere's centre at the start; its static seat if absent", sign="any", shape=(3,), default=None
+    )
+    centre_velocity: tuple[float, ...] | None = quantity(
+        "m/s", "of the sphere's centre at the start", sign="any", shape=(3,), default=None
+    )
     stage: StageMotion | None = field(default=None)
     sample_rate: float = quantity("Hz", "samples a second in the results", default=1000.0)
     source: str = field(default="", compare=False, repr=False)

@@ -218,7 +218,7 @@ def test_simulate_run_that_grows_without_limit_exits_1_with_its_reason(tmp_path)
     ("inputs", "words", "message"),
     [
         (GENTLE, ("-o", "no/folder/run.nc"), "no such folder"),
-        (GENTLE, ("--model", "rigid"), "choose from rolling"),
+        (GENTLE, ("--model", "rigid"), "choose from compliant, rolling"),
         ("time = [0]\nvalues = [[1, 2]]", (), "2 columns, but the design has 3 wheels"),
         ('file = "bad.csv"', (), "bad.csv:3:5"),
     ],

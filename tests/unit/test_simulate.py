@@ -11,7 +11,7 @@ import spheredrive as sd
 from layouts import DUAL, R, atlas, collinear_triple
 from spheredrive.design import GRAVITY, Contact, Design, Motor, Placement, Sphere, Stage
 from spheredrive.motion import Motion, Series
-from spheredrive.simulation.dataset import contact_numbers
+from spheredrive.simulation.labels import contact_numbers
 from spheredrive.simulation.overview import overview
 from spheredrive.simulation.rolling_run import FASTEST, run_rolling
 from spheredrive.simulation.simulate import simulate_run
@@ -156,8 +156,8 @@ def test_simulate_split_wheel_has_both_of_its_races():
 
 
 def test_simulate_unknown_model_names_those_there_are():
-    with pytest.raises(sd.SpheredriveError, match=r"no model 'compliant'.*rolling"):
-        sd.simulate(heavy(atlas()), PUSH, model="compliant")
+    with pytest.raises(sd.SpheredriveError, match=r"no model 'rigid'.*compliant, rolling"):
+        sd.simulate(heavy(atlas()), PUSH, model="rigid")
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def loads(design: Design, run: RollingRun) -> Loads:
     known = normals_known(design)
     usage = utilisation(run.friction_force, run.normal_force, mu) if mu and known else None
     power = run.motor_torque * run.wheel_speed
-    peaks = tuple(_peak(run, power, usage, w) for w in range(design.wheel_count))
+    peaks = tuple(wheel_peak(run, power, usage, w) for w in range(design.wheel_count))
     closure = thesis_closure_force(design, run) if mu else None
     return Loads(known, usage, power, closure, peaks, tuple(_findings(design, run, usage, known)))
 
@@ -185,7 +185,8 @@ def least_preload_of_run(design: Design, run: RollingRun, direction=(0.0, 0.0, -
     return Preload(force, tuple(map(float, d)), int(wheel) + 1, float(run.time[sample]))  # type: ignore[arg-type]
 
 
-def _peak(run: RollingRun, power, usage, w: int) -> Peak:
+def wheel_peak(run, power, usage, w: int) -> Peak:
+    """The largest amounts at wheel ``w`` (from 0) of a run of any model."""
     torque, speed = np.abs(run.motor_torque[:, w]), np.abs(run.wheel_speed[:, w])
     at = {name: int(np.argmax(values)) for name, values in (("T", torque), ("w", speed), ("P", np.abs(power[:, w])))}
     low = int(np.argmin(run.normal_force[:, w]))
@@ -223,14 +224,15 @@ def _findings(design: Design, run: RollingRun, usage, known: bool):
             "The contacts lie in a plane or are fewer than three: normal forces alone cannot hold the sphere, so none are "
             "given.",
         )
-    yield from _limits(run, "torque", run.motor_torque, design.motor.torque, "N m")
-    yield from _limits(run, "speed", run.wheel_speed, design.motor.speed, "rad/s")
+    yield from limit_findings(run, "torque", run.motor_torque, design.motor.torque, "N m")
+    yield from limit_findings(run, "speed", run.wheel_speed, design.motor.speed, "rad/s")
     if known:
         for w in range(design.wheel_count):
             yield from _contact_findings(run, usage, w)
 
 
-def _limits(run: RollingRun, what: str, values: np.ndarray, limit: float | None, unit: str):
+def limit_findings(run, what: str, values: np.ndarray, limit: float | None, unit: str):
+    """A finding for each wheel whose ``values`` (k, n) pass the motor's ``limit``."""
     if limit is None:
         return
     for w in range(values.shape[1]):

@@ -62,6 +62,12 @@ class Initial:
     orientation: tuple | None = quantity(
         "", "unit quaternion, scalar first, body to inertial", sign="any", shape=(4,), default=None
     )
+    centre_displacement: tuple | None = quantity(
+        "m", "of the sphere's centre, compliant model; its static seat if absent", sign="any", shape=(3,), default=None
+    )
+    centre_velocity: tuple | None = quantity(
+        "m/s", "of the sphere's centre, compliant model", sign="any", shape=(3,), default=None
+    )
 
 
 @dataclass(frozen=True)

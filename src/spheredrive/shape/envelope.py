@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -46,6 +46,7 @@ class Envelope:
     rollers  the body of a roller of each race
     bodies   their flat descriptions for the kernels, (races, 8)
     strips   in rising order, one pitch in all
+    centres  wheel angle with phase at which a roller's middle of each race stands on the line of centres, rad
     pitch    2π/N, rad
     nominal  D_nominal − R: the height at the top of a roller, m
     """
@@ -54,6 +55,7 @@ class Envelope:
     rollers: tuple[Roller, ...]
     bodies: np.ndarray
     strips: tuple[Strip, ...]
+    centres: tuple[float, ...]
     pitch: float
     nominal: float
     knots: np.ndarray
@@ -111,6 +113,7 @@ def envelope(wheel: RollerWheel, sphere_radius: float, number: int | None = None
         rollers,
         bodies,
         (),
+        (),
         pitch,
         nominal_height(min(races, key=lambda race: abs(race.offset)), sphere_radius),
         np.array(rollers[0].knots),
@@ -119,7 +122,7 @@ def envelope(wheel: RollerWheel, sphere_radius: float, number: int | None = None
     centres = [_centre(wheel, race, body, draft, rank) for rank, (race, body) in enumerate(zip(races, rollers, strict=True))]
     turns = _turns(draft, centres)
     strips = tuple(strip for start, end, rank, centre in turns for strip in _cut(draft, start, end, rank, centre))
-    whole = Envelope(draft.races, rollers, bodies, strips, pitch, draft.nominal, draft.knots, draft.table)
+    whole = replace(draft, strips=strips, centres=tuple(centres))
     _refuse_fall(whole, sphere_radius)
     return whole
 

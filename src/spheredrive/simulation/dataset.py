@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray
 
-import spheredrive
 from spheredrive.dynamics import normals_known
 from spheredrive.dynamics.parameters import rolling_parameters
 from spheredrive.dynamics.rolling import NORMAL
+from spheredrive.simulation.labels import Variable, attributes, contact_numbers, coordinates, race_numbers, variable
 from spheredrive.simulation.rolling_run import RollingRun, Tolerance
 
 if TYPE_CHECKING:
@@ -20,16 +19,6 @@ if TYPE_CHECKING:
 
 # Contact directions whose least singular value is this small beside the largest lie in a plane.
 FLAT = 1e-6
-
-
-class Variable(NamedTuple):
-    """A variable that is an array of the run as it stands: its name, dimensions, unit, meaning and the array's name."""
-
-    name: str
-    dims: tuple[str, ...]
-    units: str
-    long_name: str
-    source: str
 
 
 _AXIS, _WHEEL, _TIME, _EVENT = ("time", "axis"), ("time", "wheel"), ("time",), ("event",)
@@ -74,55 +63,21 @@ VARIABLES = (
 
 def labelled(design: Design, motion: Motion, run: RollingRun, tolerance: Tolerance) -> xarray.Dataset:
     """The run of ``design`` under ``motion`` as a dataset; it holds no clock time, so equal runs are equal datasets."""
-    data = {v.name: _variable(v.dims, getattr(run, v.source), v.units, v.long_name) for v in VARIABLES}
-    data["event_wheel"] = _variable(
+    data = {v.name: variable(v.dims, getattr(run, v.source), v.units, v.long_name) for v in VARIABLES}
+    data["event_wheel"] = variable(
         _EVENT, (run.event_wheel + 1).astype(np.int32), "1", "wheel whose race changes; 0 for a step of the input"
     )
     still = np.zeros((len(run.time), 3))
-    data["centre_displacement"] = _variable(_AXIS, still, "m", "displacement of the sphere's centre on the stage")
+    data["centre_displacement"] = variable(_AXIS, still, "m", "displacement of the sphere's centre on the stage")
     active = active_races(design, run)
-    data["active_race"] = _variable(
+    data["active_race"] = variable(
         _WHEEL, active, "1", "race that touches the sphere, numbered from 1; 0 at rest between races"
     )
     return xarray.Dataset(
         {**data, **_contact_variables(design, run, active)},
-        coords=_coordinates(design, run),
+        coords=coordinates(design, run.time),
         attrs=_attributes(design, motion, run, tolerance),
     )
-
-
-def _variable(dims: tuple[str, ...], values, units: str, long_name: str) -> xarray.Variable:
-    # Compression without a choice of its own gives the same bytes every time; NaN stays what it is.
-    encoding = {"_FillValue": None, "zlib": True, "complevel": 1, "shuffle": True}
-    return xarray.Variable(dims, values, {"units": units, "long_name": long_name}, encoding)
-
-
-def _coordinates(design: Design, run: RollingRun) -> dict[str, xarray.Variable]:
-    pairs = contact_numbers(design)
-    numbers = np.array(pairs, np.int32).reshape(-1, 2)
-    return {
-        "time": _variable(_TIME, run.time, "s", "time"),
-        "axis": _words("axis", ["x", "y", "z"], "axis of the inertial frame"),
-        "quat_wxyz": _words("quat_wxyz", ["w", "x", "y", "z"], "component of a quaternion"),
-        "wheel": _variable(("wheel",), np.arange(1, design.wheel_count + 1, dtype=np.int32), "1", "wheel, numbered from 1"),
-        "contact": _words("contact", [f"{wheel}.{race}" for wheel, race in pairs], "contact: wheel.race, numbered from 1"),
-        "contact_wheel": _variable(("contact",), numbers[:, 0], "1", "wheel of the contact, numbered from 1"),
-        "contact_race": _variable(("contact",), numbers[:, 1], "1", "race of the contact, numbered from 1"),
-    }
-
-
-def _words(dim: str, words: list[str], long_name: str) -> xarray.Variable:
-    # Rows of characters: strings of any length are a type that not every reader of NetCDF-4 knows.
-    return xarray.Variable((dim,), np.array(words), {"units": "1", "long_name": long_name}, {"dtype": "S1"})
-
-
-def contact_numbers(design: Design) -> list[tuple[int, int]]:
-    """(wheel, race) of every contact that any state of the wheels can have, numbered from 1, wheel by wheel."""
-    return [(i, number) for i, wheel in enumerate(design.wheels, 1) for number in _race_numbers(design, wheel)]
-
-
-def _race_numbers(design: Design, wheel) -> list[int]:
-    return [race.number for race in design.races(wheel)]
 
 
 def active_races(design: Design, run: RollingRun) -> np.ndarray:
@@ -140,7 +95,7 @@ def _contact_variables(design: Design, run: RollingRun, active: np.ndarray) -> d
     A wheel that rests between its races touches with all that take turns; they share its force equally.
     """
     wheel, race = np.array(contact_numbers(design)).T
-    turns = np.array([race in sum(w.alternation, ()) for w in design.wheels for race in _race_numbers(design, w)])
+    turns = np.array([race in sum(w.alternation, ()) for w in design.wheels for race in race_numbers(design, w)])
     sharing = np.array([len(design.wheels[w - 1].alternation) for w in wheel])
     on = active[:, wheel - 1]
     share = np.where(on == race, 1.0, np.where((on == 0) & turns, 1.0 / sharing, 0.0))
@@ -151,16 +106,16 @@ def _contact_variables(design: Design, run: RollingRun, active: np.ndarray) -> d
         return np.where(share > 0, values[:, wheel - 1] * share, 0.0)
 
     found = {
-        "friction_force": _variable(
+        "friction_force": variable(
             dims,
             spread(run.friction_force),
             "N",
             "force of the wheel on the sphere in the tangent plane, along the roller axis",
         ),
-        "slip_speed": _variable(dims, np.zeros(share.shape), "m/s", "slip speed at the contact"),
+        "slip_speed": variable(dims, np.zeros(share.shape), "m/s", "slip speed at the contact"),
     }
     if normal_forces_known(design, run):
-        found["normal_force"] = _variable(dims, spread(run.normal_force), "N", "normal force, positive where pressed together")
+        found["normal_force"] = variable(dims, spread(run.normal_force), "N", "normal force, positive where pressed together")
     return found
 
 
@@ -179,41 +134,17 @@ def normal_forces_known(design: Design, run: RollingRun) -> bool:
 
 
 def _attributes(design: Design, motion: Motion, run: RollingRun, tolerance: Tolerance) -> dict[str, object]:
-    found: dict[str, object] = {
-        "title": _plain(design.name),
-        "program": "spheredrive",
-        "version": spheredrive.__version__,
-        "model": "rolling",
-        "completed": np.int32(run.completed),
-        "reason": run.reason,
-        "duration": motion.duration,
+    solver = {
         "solver": "Dormand-Prince 5(4), steps end at corners of the inputs and at changes of race",
         "relative_tolerance": tolerance.relative,
         "absolute_tolerance": tolerance.absolute,
         "fixed_step": tolerance.fixed_step,
         "largest_step": tolerance.largest_step,
-        "sample_rate": motion.sample_rate,
-        "seed": np.int32(-1),
-        "design": _plain(design.source),
-        "design_sha256": _sha256(design.source),
-        # Texts do not hold the tables that they name, nor what was changed in code: the values do.
-        "design_values_sha256": _sha256(repr(design)),
-        "motion": _plain(motion.source),
-        "motion_sha256": _sha256(motion.source),
-        "motion_values_sha256": _sha256(repr(motion)),
     }
+    found = attributes(design, motion, "rolling", run.completed, run.reason, solver)
     if not normal_forces_known(design, run):
         found["normal_force_missing"] = (
             "The contact directions lie in a plane, so the normal forces are not determined: none balances what acts "
             "across the plane."
         )
     return found
-
-
-def _plain(text: str) -> str:
-    """Text as a file can hold it: without what is no character, and without NUL, which would end it."""
-    return text.encode("utf-8", "replace").decode("utf-8").replace("\0", "\N{REPLACEMENT CHARACTER}")
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()

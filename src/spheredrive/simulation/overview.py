@@ -100,7 +100,7 @@ class Overview:
 
 
 def overview(design: Design, run: RollingRun, model: str = "rolling") -> Overview:
-    """The overview of a run; a run without samples has no loads, and the reason why as its one finding."""
+    """The overview of a run of the rolling model; one without samples has no loads, and the reason why as its one finding."""
     sampled = len(run.time) > 0
     speed = np.linalg.norm(run.angular_velocity, axis=1) if sampled else np.zeros(1)
     peak = int(np.argmax(speed))

@@ -133,6 +133,12 @@ class RollerWheel(Wheel):
     roller_shape: str = word("shape of a roller", ("barrel", "cylinder", "sphere", "capsule"), default="barrel")
     roller_length: float | None = quantity("m", "length of a roller along its axis, without round ends", default=None)
     phase: float = quantity("rad", "wheel angle by which the rollers are ahead", sign="any", default=0.0)
+    roller_drag: float = quantity(
+        "N m s/rad", "drag torque of a roller's bearing by its speed", sign="non-negative", default=0.0
+    )
+    roller_inertia: float = quantity(
+        "kg m^2", "moment of inertia of a roller about its own axis; zero: it follows at once", sign="non-negative", default=0.0
+    )
     profile: str = word("radial profile of the wheel", ("exact", "half-sine"), default="exact")
 
     def __post_init__(self) -> None:

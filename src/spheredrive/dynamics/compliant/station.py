@@ -1,0 +1,347 @@
+"""Compiled: what one station does to the sphere, its mount and its wheel, and how that changes with their motion.
+
+A contact acts through three rows: along Ĝ (normal force N), û (friction T) and f̂ (E, a roller's drag). A row j turns the
+velocities (ḋ, Ω, ω) into the contact's own, and jᵀ turns its force into the wrench (F, M on the sphere, τ on the wheel), so
+that power balances for every state. All derivatives are exact but for three that are of the size of a ring's slope: a solver
+of the Rosenbrock kind keeps its order by them. Source: model.md section 5c.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spheredrive.compiled import njit
+from spheredrive.dynamics.algebra import dot
+from spheredrive.dynamics.compliant.laws import drag, friction, normal_force
+from spheredrive.dynamics.compliant.layout import (
+    CREEP_SPEED,
+    DAMPING,
+    DISSIPATION,
+    FARTHEST,
+    FIRST_OUTLINE,
+    FIRST_ROLLER,
+    FRICTION,
+    HERTZIAN,
+    KIND,
+    MIDDLE,
+    OUTLINE_COUNT,
+    PITCH,
+    RADIUS,
+    RING,
+    ROLLER_COUNT,
+    ROLLER_DRAG,
+    ROLLER_INERTIA,
+    ROLLING_ARM,
+    SPIN_ARM,
+    STIFFNESS,
+    TURN_SPEED,
+)
+from spheredrive.dynamics.compliant.touch import ring_touch, roller_touch
+
+# What a station's row of ``wrenches`` holds.
+FORCE, MOMENT, WHEEL_TORQUE = 0, 3, 6
+SLIP_HEAT, DAMPING_HEAT, OTHER_HEAT, STORED, PRESSED = 7, 8, 9, 10, 11
+WRENCH_SIZE = 12
+# What an outline's row of ``touches`` holds: forces, slip speed and gap of its rollers together; the least gap of those that
+# do not act yet, and which that is; and the bits of those that act and stand clear of the sphere.
+NORMAL, TANGENTIAL, SLIP, GAP, SLIP_POWER, LARGEST, COMING, COMING_ROLLER, LEAVING = range(9)
+TOUCH_SIZE = 9
+# What a turning roller's row of ``rollers`` holds: its rate; then, where it touches, what eliminates it from a step.
+SPIN_RATE, TOUCHING, LEVER, T_SPIN, E_SPIN, E_ROW, T_JACOBIAN, E_JACOBIAN = 0, 1, 2, 3, 4, 5, 16, 23
+HELD, ROLLER_STATION = 30, 31
+ROLLER_SIZE = 32
+
+
+@njit(error_model="numpy", forceinline=True)
+def _rows(touch, d, R):
+    """Arm of the sphere, the contact point, and (torque row by ω) of the normal, û and f̂."""
+    G, u, f = (touch[1], touch[2], touch[3]), (touch[4], touch[5], touch[6]), (touch[7], touch[8], touch[9])
+    arm = R + 0.5 * touch[0]
+    point = (d[0] - arm * G[0], d[1] - arm * G[1], d[2] - arm * G[2])
+    return G, u, f, arm, point
+
+
+@njit(error_model="numpy", forceinline=True)
+def _about_axis(a, b):
+    """ẑ · (a × b) = b · (ẑ × a)."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+@njit(error_model="numpy", forceinline=True)
+def station_forces(
+    st, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
+    d, d_rate, Omega, theta, omega, derive, gh, wrenches, touches, rollers, K, D,
+):  # fmt: skip
+    """Fill in what station ``st`` of wheel ``i`` does: its row of ``wrenches``, its outlines' of ``touches``.
+
+    Rollers with inertia get their rows of ``rollers``.
+
+    d, d_rate    sphere's centre from the wheel's, and its rate, in the station's frame
+    theta        the wheel's angle with phase
+    places, turns   piece that each ring's outline is on, and the angle that brings it there
+    acting       a bit for each roller of an outline, its number modulo 32: only those that are set act, so that a step is
+                 smooth to its end, where a roller that has come to touch is set
+    spins        speed of each roller about its own axis
+    derive       also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
+    gh           γ h of the step, which rollers with inertia are eliminated with
+    """
+    R, creep, turn_speed = body[RADIUS], body[CREEP_SPEED], body[TURN_SPEED]
+    mu, inertia, bearing = stations[st, FRICTION], wheels[i, ROLLER_INERTIA], wheels[i, ROLLER_DRAG]
+    for j in range(WRENCH_SIZE):
+        wrenches[st, j] = 0.0
+    if derive:
+        for r in range(7):
+            for j in range(7):
+                D[st, r, j] = 0.0
+            for j in range(4):
+                K[st, r, j] = 0.0
+    first = int(stations[st, FIRST_OUTLINE])
+    for o in range(first, first + int(stations[st, OUTLINE_COUNT])):
+        for j in range(TOUCH_SIZE):
+            touches[o, j] = 0.0
+        touches[o, GAP] = touches[o, COMING] = 1e300
+        ring = outlines[o, KIND] == RING
+        # Rollers whose middles stand at β + k · pitch, of which those within reach are looked at.
+        nearest, beta, low, high, pitch = 0.0, 0.0, 0, 0, outlines[o, PITCH]
+        if not ring:
+            farthest = outlines[o, FARTHEST]
+            nearest = math.floor((theta - outlines[o, MIDDLE]) / pitch + 0.5)
+            beta = theta - outlines[o, MIDDLE] - nearest * pitch
+            low, high = math.ceil((-farthest - beta) / pitch), math.floor((farthest - beta) / pitch)
+        first_roller, count = int(outlines[o, FIRST_ROLLER]), int(outlines[o, ROLLER_COUNT])
+        for k in range(low, high + 1):
+            if ring:
+                touch = ring_touch(outlines, o, d[0], d[1], d[2], theta, places[o], turns[o], pieces, R)
+            else:
+                b = beta + k * pitch
+                touch = roller_touch(outlines, o, d[0], d[1], d[2], math.cos(b), math.sin(b), R)
+            gap = touch[0]
+            touches[o, GAP] = min(touches[o, GAP], gap)
+            number = 0 if ring else int(nearest - k) & 31
+            if not (acting[o] >> number) & 1:
+                if gap < touches[o, COMING]:
+                    touches[o, COMING], touches[o, COMING_ROLLER] = gap, number
+                continue
+            if gap >= 0.0:
+                touches[o, LEAVING] += float(1 << number)
+                continue
+            G, u, f, arm, point = _rows(touch, d, R)
+            steep = touch[14]
+            # The speed of the contact: U without the sphere's turning.
+            U = (
+                d_rate[0] + omega * point[1], d_rate[1] - omega * point[0], d_rate[2],
+            )  # fmt: skip
+            gap_rate = steep * dot(G, U)
+            N, N_depth, N_rate, elastic = normal_force(
+                -gap,
+                -gap_rate,
+                stations[st, STIFFNESS],
+                stations[st, DAMPING],
+                stations[st, DISSIPATION],
+                stations[st, HERTZIAN] > 0.0,
+            )
+            pressed = N * steep
+            s, t = dot(u, U) + arm * dot(f, Omega), dot(f, U) - arm * dot(u, Omega)
+            lever = touch[13]
+            turning = inertia > 0.0 and lever > 0.0 and count > 0
+            spin, index = 0.0, 0
+            if turning:
+                # Roller number −nearest − k counts against the wheel's turning.
+                index = first_roller + int(nearest - k) % count
+                spin = spins[index]
+                T, E, T_N, E_N, T_s, T_t, E_t = friction(pressed, s, t - lever * spin, mu, creep)
+                E_s = T_t
+                rollers[index, SPIN_RATE] = (-lever * E - bearing * spin) / inertia
+                rollers[index, TOUCHING] = 1.0
+            else:
+                T, _, T_N, _, T_s, _, _ = friction(pressed, s, 0.0, mu, creep)
+                resistance = bearing / (lever * lever) if lever > 0.0 else 0.0
+                E, E_N, E_t = drag(pressed, t, mu, resistance)
+                T_t = E_s = 0.0
+            F = (
+                N * steep * G[0] + T * u[0] + E * f[0],
+                N * steep * G[1] + T * u[1] + E * f[1],
+                N * steep * G[2] + T * u[2] + E * f[2],
+            )  # fmt: skip
+            M = (arm * (T * f[0] - E * u[0]), arm * (T * f[1] - E * u[1]), arm * (T * f[2] - E * u[2]))
+            wrenches[st, 0] += F[0]
+            wrenches[st, 1] += F[1]
+            wrenches[st, 2] += F[2]
+            wrenches[st, 3] += M[0]
+            wrenches[st, 4] += M[1]
+            wrenches[st, 5] += M[2]
+            wrenches[st, WHEEL_TORQUE] -= _about_axis(point, F)
+            wrenches[st, SLIP_HEAT] -= T * s + (E * (t - lever * spin) if turning else 0.0)
+            wrenches[st, DAMPING_HEAT] += (N - elastic) * -gap_rate
+            wrenches[st, OTHER_HEAT] += bearing * spin * spin if turning else -E * t
+            wrenches[st, STORED] += elastic * -gap * (0.4 if stations[st, HERTZIAN] > 0.0 else 0.5)
+            wrenches[st, PRESSED] += pressed
+            if pressed > touches[o, LARGEST]:
+                touches[o, LARGEST], touches[o, SLIP] = pressed, s
+            touches[o, NORMAL] += pressed
+            touches[o, TANGENTIAL] += T
+            touches[o, SLIP_POWER] -= T * s
+            if derive:
+                _derive(
+                    st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
+                    T_N, E_N, T_s, T_t, E_s, E_t, F, turning, inertia, bearing, gh, rollers,
+                    index, K, D,
+                )  # fmt: skip
+            if stations[st, ROLLING_ARM] > 0.0 or stations[st, SPIN_ARM] > 0.0:
+                _resist(
+                    st, G, u, f, pressed, mu, stations[st, ROLLING_ARM], stations[st, SPIN_ARM], turn_speed, Omega, omega,
+                    steep * N_rate, steep * N_depth, d, derive, wrenches, K, D,
+                )  # fmt: skip
+    if derive:
+        _by_angle(st, wrenches, d, d_rate, Omega, K, D)
+
+
+@njit(error_model="numpy", forceinline=True)
+def _derive(
+    st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
+    T_N, E_N, T_s, T_t, E_s, E_t, F, turning, inertia, bearing, gh, rollers, index, K, D,
+):  # fmt: skip
+    """Add the derivatives of one contact's wrench to K (by d) and D (by the velocities)."""
+    kappa_u, kappa_f, twist, lever, steep = touch[10], touch[11], touch[12], touch[13], touch[14]
+    # Rows by (ḋ, Ω, ω).
+    j_N = (steep * G[0], steep * G[1], steep * G[2], 0.0, 0.0, 0.0, -steep * _about_axis(point, G))
+    j_T = (u[0], u[1], u[2], arm * f[0], arm * f[1], arm * f[2], -_about_axis(point, u))
+    j_E = (f[0], f[1], f[2], -arm * u[0], -arm * u[1], -arm * u[2], -_about_axis(point, f))
+    # By displacements along G, u and f: of N, of the slips s and t.
+    across = (d_rate[0] + omega * d[1], d_rate[1] - omega * d[0], d_rate[2])
+    N_d = (
+        -N_depth * steep,
+        -N_rate * (steep * kappa_u * dot(u, across) - omega * steep * _about_axis(u, G)),
+        -N_rate * (steep * kappa_f * dot(f, across) - omega * steep * _about_axis(f, G)),
+    )
+    s_d = (
+        0.5 * steep * dot(f, Omega) - omega * (1.0 - 0.5 * steep) * _about_axis(G, u),
+        -kappa_u * dot(G, U),
+        -twist * dot(f, U) + arm * (-kappa_f * dot(G, Omega) + twist * dot(u, Omega))
+        - omega * (1.0 - arm * kappa_f) * _about_axis(f, u),
+    )  # fmt: skip
+    t_d = (
+        -0.5 * steep * dot(u, Omega) - omega * (1.0 - 0.5 * steep) * _about_axis(G, f),
+        -omega * (1.0 - arm * kappa_u) * _about_axis(u, f) + arm * kappa_u * dot(G, Omega),
+        -kappa_f * dot(G, U) + twist * dot(u, U) + arm * twist * dot(f, Omega),
+    )
+    # A roller with inertia: its speed follows from E and is eliminated, z = (I r/… − lever dE)/held.
+    share_T, share_E, held = 0.0, 1.0, 1.0
+    if turning:
+        held = inertia / gh + bearing - lever * lever * E_t
+        share_E = (inertia / gh + bearing) / held
+        share_T = lever * lever * T_t / held
+    grow = pressed / N if N > 0.0 else 0.0
+    for i in range(7):
+        N_v = -N_rate * j_N[i]
+        E_v = E_N * grow * N_v + E_s * j_T[i] + E_t * j_E[i]
+        T_v = T_N * grow * N_v + T_s * j_T[i] + T_t * j_E[i] + share_T * E_v
+        if turning:
+            rollers[index, E_ROW + i] = E_v
+            rollers[index, T_JACOBIAN + i] = j_T[i]
+            rollers[index, E_JACOBIAN + i] = j_E[i]
+        E_v *= share_E
+        for r in range(7):
+            D[st, r, i] += j_N[r] * N_v + j_T[r] * T_v + j_E[r] * E_v
+    for b in range(3):
+        dN = N_d[b]
+        E_raw = E_N * grow * dN + E_s * s_d[b] + E_t * t_d[b]
+        dT = T_N * grow * dN + T_s * s_d[b] + T_t * t_d[b] + share_T * E_raw
+        dE = share_E * E_raw
+        e = G if b == 0 else (u if b == 1 else f)
+        if b == 0:
+            bend, u_d, f_d = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+            arm_d, move = 0.5 * steep, 1.0 - 0.5 * steep
+        elif b == 1:
+            bend = (kappa_u * u[0], kappa_u * u[1], kappa_u * u[2])
+            u_d, f_d = (-kappa_u * G[0], -kappa_u * G[1], -kappa_u * G[2]), (0.0, 0.0, 0.0)
+            arm_d, move = 0.0, 1.0 - arm * kappa_u
+        else:
+            bend = (kappa_f * f[0], kappa_f * f[1], kappa_f * f[2])
+            u_d = (-twist * f[0], -twist * f[1], -twist * f[2])
+            f_d = (twist * u[0] - kappa_f * G[0], twist * u[1] - kappa_f * G[1], twist * u[2] - kappa_f * G[2])
+            arm_d, move = 0.0, 1.0 - arm * kappa_f
+        dF = (
+            steep * (dN * G[0] + N * bend[0]) + dT * u[0] + T * u_d[0] + dE * f[0] + E * f_d[0],
+            steep * (dN * G[1] + N * bend[1]) + dT * u[1] + T * u_d[1] + dE * f[1] + E * f_d[1],
+            steep * (dN * G[2] + N * bend[2]) + dT * u[2] + T * u_d[2] + dE * f[2] + E * f_d[2],
+        )
+        dM = (
+            arm_d * (T * f[0] - E * u[0]) + arm * (dT * f[0] + T * f_d[0] - dE * u[0] - E * u_d[0]),
+            arm_d * (T * f[1] - E * u[1]) + arm * (dT * f[1] + T * f_d[1] - dE * u[1] - E * u_d[1]),
+            arm_d * (T * f[2] - E * u[2]) + arm * (dT * f[2] + T * f_d[2] - dE * u[2] - E * u_d[2]),
+        )
+        d_torque = -move * _about_axis(e, F) - _about_axis(point, dF)
+        for c in range(3):
+            for r in range(3):
+                K[st, r, c] += dF[r] * e[c]
+                K[st, 3 + r, c] += dM[r] * e[c]
+            K[st, 6, c] += d_torque * e[c]
+            if turning:
+                if b == 0:
+                    rollers[index, E_ROW + 7 + c] = 0.0
+                rollers[index, E_ROW + 7 + c] += E_raw * e[c]
+    if turning:
+        rollers[index, LEVER], rollers[index, T_SPIN], rollers[index, E_SPIN] = lever, T_t, E_t
+        rollers[index, HELD], rollers[index, ROLLER_STATION] = held, st
+        by_d = (rollers[index, E_ROW + 7], rollers[index, E_ROW + 8], rollers[index, E_ROW + 9])
+        by_v = (rollers[index, E_ROW], rollers[index, E_ROW + 1], rollers[index, E_ROW + 2])
+        by_O = (rollers[index, E_ROW + 3], rollers[index, E_ROW + 4], rollers[index, E_ROW + 5])
+        rollers[index, E_ROW + 10] = -_about_axis(d, by_d) - _about_axis(d_rate, by_v) - _about_axis(Omega, by_O)
+
+
+@njit(error_model="numpy", forceinline=True)
+def _resist(
+    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, derive, wrenches, K, D
+):  # fmt: skip
+    """Add rolling and spin resistance (``contact.resistance_moment``): moments on the sphere, their opposite on the wheel."""
+    w = (Omega[0], Omega[1], Omega[2] - omega)
+    along = dot(w, G)
+    flat = (w[0] - along * G[0], w[1] - along * G[1], w[2] - along * G[2])
+    roll = math.sqrt(dot(flat, flat) + smooth * smooth)
+    spin = math.sqrt(along * along + smooth * smooth)
+    r, q = rolling / roll, mu * spinning * along / spin
+    m = (-r * flat[0] - q * G[0], -r * flat[1] - q * G[1], -r * flat[2] - q * G[2])
+    for i in range(3):
+        wrenches[st, 3 + i] += pressed * m[i]
+    wrenches[st, WHEEL_TORQUE] -= pressed * m[2]
+    wrenches[st, OTHER_HEAT] -= pressed * dot(m, w)
+    if derive:
+        spin_slope = pressed * mu * spinning * smooth * smooth / (spin * spin * spin)
+        for i in range(3):
+            for j in range(3):
+                same = 1.0 if i == j else 0.0
+                value = -pressed * r * (same - G[i] * G[j] - flat[i] * flat[j] / (roll * roll)) - spin_slope * G[i] * G[j]
+                D[st, 3 + i, 3 + j] += value
+                if i == 2:
+                    D[st, 6, 3 + j] -= value
+                if j == 2:
+                    D[st, 3 + i, 6] -= value
+                if i == 2 and j == 2:
+                    D[st, 6, 6] += value
+        turned = -_about_axis(d, G)
+        for i in range(3):
+            for j in range(3):
+                K[st, 3 + i, j] -= m[i] * N_depth * G[j]
+                D[st, 3 + i, j] -= m[i] * N_rate * G[j]
+            D[st, 3 + i, 6] -= m[i] * N_rate * turned
+        for j in range(3):
+            K[st, 6, j] += m[2] * N_depth * G[j]
+            D[st, 6, j] += m[2] * N_rate * G[j]
+        D[st, 6, 6] += m[2] * N_rate * turned
+
+
+@njit(error_model="numpy", forceinline=True)
+def _by_angle(st, wrenches, d, d_rate, Omega, K, D):
+    """The derivative by ϑ: sphere and wheel turned together about the axis turn the wrench with them."""
+    z_d, z_v, z_O = (-d[1], d[0]), (-d_rate[1], d_rate[0]), (-Omega[1], Omega[0])
+    for r in range(7):
+        K[st, r, 3] = -(
+            K[st, r, 0] * z_d[0] + K[st, r, 1] * z_d[1]
+            + D[st, r, 0] * z_v[0] + D[st, r, 1] * z_v[1]
+            + D[st, r, 3] * z_O[0] + D[st, r, 4] * z_O[1]
+        )  # fmt: skip
+    K[st, 0, 3] -= wrenches[st, 1]
+    K[st, 1, 3] += wrenches[st, 0]
+    K[st, 3, 3] -= wrenches[st, 4]
+    K[st, 4, 3] += wrenches[st, 3]

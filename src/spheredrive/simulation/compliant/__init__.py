@@ -1,0 +1,1 @@
+"""Runs of the compliant model: its seat, its method, its engine."""

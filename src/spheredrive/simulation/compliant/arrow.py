@@ -1,0 +1,216 @@
+"""Compiled: the linear system of a step, solved by its structure.
+
+Positions follow from velocities in closed form, k_q = γh (r_q + k_v), so that only velocities are unknown: the sphere's six,
+the stage's three where a force drives it, and of each wheel ω and the rates of its mounts. A wheel meets the others only
+through the sphere: its block of two or three is eliminated first, what is left is a system of six or nine. The work grows in
+proportion to the number of wheels.
+"""
+
+from __future__ import annotations
+
+from spheredrive.compiled import njit
+from spheredrive.dynamics.algebra import cross, dot, rotation_rows, times
+from spheredrive.dynamics.compliant.instant import out_of, symmetric, turned_inertia, vector
+from spheredrive.dynamics.compliant.layout import (
+    AXIAL_INERTIA,
+    CLOSURE_DAMPING,
+    CLOSURE_STIFFNESS,
+    DRIVEN,
+    FIRST_STATION,
+    INERTIA,
+    INTEGRAL,
+    LOOP,
+    MASS,
+    MASS_CENTRE,
+    MOUNT_DAMPING,
+    MOUNT_MASS,
+    MOUNT_STIFFNESS,
+    MOVING_MASS,
+    OMEGA,
+    PROPORTIONAL,
+    QUATERNION,
+    SPEED,
+    STATION_COUNT,
+)
+
+# Most unknowns the wheels share, and most a wheel has of its own.
+SHARED, OWN = 9, 3
+
+
+@njit(error_model="numpy")
+def invert(A, size):
+    """A⁻¹ of the first ``size`` rows and columns in place, by Gauss and Jordan with pivots on the diagonal; False if singular.
+
+    The blocks are masses over γh, plus damping and stiffness: their diagonals are their largest entries.
+    """
+    for k in range(size):
+        pivot = A[k, k]
+        if pivot == 0.0:
+            return False
+        pivot = 1.0 / pivot
+        A[k, k] = 1.0
+        for j in range(size):
+            A[k, j] *= pivot
+        for i in range(size):
+            if i != k:
+                f = A[i, k]
+                A[i, k] = 0.0
+                for j in range(size):
+                    A[i, j] -= f * A[k, j]
+    return True
+
+
+@njit(error_model="numpy")
+def mass_frame(y, body):
+    """The sphere's inertia about its geometric centre and M_s ρ, in the inertial frame."""
+    rows = rotation_rows((y[QUATERNION], y[QUATERNION + 1], y[QUATERNION + 2], y[QUATERNION + 3]))
+    I = turned_inertia(rows, symmetric(body, INERTIA))
+    rho, mass = vector(body, MASS_CENTRE), body[MASS]
+    return I, (mass * dot(rows[0], rho), mass * dot(rows[1], rho), mass * dot(rows[2], rho))
+
+
+@njit(error_model="numpy")
+def assemble(y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, first, K, D, H, to_own, from_own, own, frame):
+    """Fill ``H`` (9, 9) with the inverse of the shared system, ``own``, ``to_own`` and ``from_own`` with the wheels' blocks.
+
+    I, first   what ``mass_frame`` gives
+    limited    whether each motor stands at its limit
+    Returns False where the system is singular.
+    """
+    f = 1.0 / gh
+    mass = body[MASS]
+    size = 9 if stage_kind == DRIVEN else 6
+    H[:, :] = 0.0
+    stiff, damp = symmetric(body, CLOSURE_STIFFNESS), symmetric(body, CLOSURE_DAMPING)
+    at = 0
+    for i in range(3):
+        for j in range(i, 3):
+            H[i, j] = damp[at] + gh * stiff[at]
+            H[j, i] = H[i, j]
+            H[3 + i, 3 + j] = H[3 + j, 3 + i] = f * I[at]
+            at += 1
+        H[i, i] += f * mass
+    # Rows of M_s [ρ]×.
+    skew = ((0.0, -first[2], first[1]), (first[2], 0.0, -first[0]), (-first[1], first[0], 0.0))
+    Omega = vector(y, OMEGA)
+    momentum = times(I, Omega)
+    for i in range(3):
+        for j in range(3):
+            H[i, 3 + j] -= f * skew[i][j]
+            H[3 + i, j] += f * skew[i][j]
+            if size == 9:
+                H[3 + i, 6 + j] += f * skew[i][j]
+                H[6 + i, 3 + j] -= f * skew[i][j]
+        if size == 9:
+            H[i, 6 + i] = H[6 + i, i] = f * mass
+            H[6 + i, 6 + i] = f * body[MOVING_MASS]
+    # Ω×IΩ changes with Ω by [Ω]× I − [IΩ]×.
+    columns = ((I[0], I[1], I[2]), (I[1], I[3], I[4]), (I[2], I[4], I[5]))
+    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    for j in range(3):
+        one, two = cross(Omega, columns[j]), cross(units[j], momentum)
+        for i in range(3):
+            H[3 + i, 3 + j] += one[i] + two[i]
+    for i in range(wheels.shape[0]):
+        start, count = int(wheels[i, FIRST_STATION]), int(wheels[i, STATION_COUNT])
+        rank = 1 + count
+        A, B, C = own[i], to_own[i], from_own[i]
+        A[:, :] = 0.0
+        B[:, :] = 0.0
+        C[:, :] = 0.0
+        A[0, 0] = f * wheels[i, AXIAL_INERTIA]
+        if drive_kind == LOOP and not limited[i]:
+            A[0, 0] += wheels[i, PROPORTIONAL] + gh * wheels[i, INTEGRAL]
+        for s in range(start, start + count):
+            p = 1 + s - start
+            # S: the wrench's change by (ḋ, Ω, ω), positions with it.
+            for r in range(7):
+                for q in range(3):
+                    frame[r, q] = D[s, r, q] + gh * K[s, r, q]
+                    frame[r, 3 + q] = D[s, r, 3 + q]
+                frame[r, 6] = D[s, r, 6] + gh * K[s, r, 3]
+            for b in range(4):
+                # Blocks of the sphere by pairs (force or moment, velocity or turning), turned into the inertial frame.
+                r0, q0 = 3 * (b // 2), 3 * (b % 2)
+                for q in range(3):
+                    column = out_of(stations, s, frame[r0, q0 + q], frame[r0 + 1, q0 + q], frame[r0 + 2, q0 + q])
+                    for r in range(3):
+                        for j in range(3):
+                            H[r0 + r, q0 + j] -= column[r] * stations[s, 3 * q + j]
+            for b in range(2):
+                r0 = 3 * b
+                by_omega = out_of(stations, s, frame[r0, 6], frame[r0 + 1, 6], frame[r0 + 2, 6])
+                by_mount = out_of(stations, s, frame[r0, 0], frame[r0 + 1, 0], frame[r0 + 2, 0])
+                on_wheel = out_of(stations, s, frame[6, r0], frame[6, r0 + 1], frame[6, r0 + 2])
+                on_mount = out_of(stations, s, frame[0, r0], frame[0, r0 + 1], frame[0, r0 + 2])
+                for j in range(3):
+                    B[r0 + j, 0] -= by_omega[j]
+                    B[r0 + j, p] += by_mount[j]
+                    C[0, r0 + j] -= on_wheel[j]
+                    C[p, r0 + j] += on_mount[j]
+            A[0, 0] -= frame[6, 6]
+            A[0, p] += frame[6, 0]
+            A[p, 0] += frame[0, 6]
+            A[p, p] = (
+                -frame[0, 0] + f * stations[s, MOUNT_MASS] + stations[s, MOUNT_DAMPING] + gh * stations[s, MOUNT_STIFFNESS]
+            )
+            if size == 9:
+                for j in range(3):
+                    C[p, 6 + j] += f * stations[s, MOUNT_MASS] * stations[s, j]
+                    B[6 + j, p] += f * stations[s, MOUNT_MASS] * stations[s, j]
+            if stations[s, MOUNT_MASS] == 0.0:
+                _hold(A, B, C, p)
+        if drive_kind == SPEED:
+            _hold(A, B, C, 0)
+        if not invert(A, rank):
+            return False
+        # B ← B A⁻¹, then the shared system without this wheel.
+        for r in range(size):
+            b0, b1, b2 = B[r, 0], B[r, 1], B[r, 2]
+            for p in range(rank):
+                B[r, p] = b0 * A[0, p] + b1 * A[1, p] + (b2 * A[2, p] if rank == 3 else 0.0)
+            for j in range(size):
+                total = 0.0
+                for p in range(rank):
+                    total += B[r, p] * C[p, j]
+                H[r, j] -= total
+    return invert(H, size)
+
+
+@njit(error_model="numpy", forceinline=True)
+def _hold(A, B, C, p):
+    """Take unknown ``p`` of a wheel out of the system: its row says that it is what stands on the right, over γh."""
+    for j in range(OWN):
+        A[p, j] = 0.0
+    A[p, p] = 1.0
+    for j in range(SHARED):
+        C[p, j] = 0.0
+
+
+@njit(error_model="numpy")
+def solve(size, wheels, H, to_own, from_own, own, b, x, b_own, z):
+    """x (9,) and z (n, 3) from right sides b (9,) and b_own (n, 3)."""
+    for i in range(wheels.shape[0]):
+        rank = 1 + int(wheels[i, STATION_COUNT])
+        for r in range(size):
+            total = 0.0
+            for p in range(rank):
+                total += to_own[i, r, p] * b_own[i, p]
+            b[r] -= total
+    for r in range(size):
+        total = 0.0
+        for j in range(size):
+            total += H[r, j] * b[j]
+        x[r] = total
+    for i in range(wheels.shape[0]):
+        rank = 1 + int(wheels[i, STATION_COUNT])
+        for p in range(rank):
+            total = b_own[i, p]
+            for j in range(size):
+                total -= from_own[i, p, j] * x[j]
+            b_own[i, p] = total
+        for p in range(rank):
+            total = 0.0
+            for q in range(rank):
+                total += own[i, p, q] * b_own[i, q]
+            z[i, p] = total

@@ -1,0 +1,524 @@
+"""Compiled: a compliant run from its start to its end, in steps that end where inputs and outlines have corners."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from spheredrive.compiled import njit
+from spheredrive.dynamics.compliant.instant import into, rates, vector
+from spheredrive.dynamics.compliant.layout import (
+    ANGLE,
+    CENTRE,
+    DEFLECTION,
+    DISTANCE,
+    FIRST_OUTLINE,
+    FIRST_PIECE,
+    FIRST_ROLLER,
+    KIND,
+    OUTLINE_COUNT,
+    PERIOD,
+    PIECE_BEGIN,
+    PIECE_COUNT,
+    PIECE_WIDTH,
+    PITCH,
+    POWERS,
+    RING,
+    ROLLER_COUNT,
+    SPEED_OF_WHEEL,
+    STATION_STATES,
+    STATION_WHEEL,
+    STRETCH_BEGIN,
+    STRETCH_END,
+    WHEEL_STATES,
+    WHEELS,
+)
+from spheredrive.dynamics.compliant.station import (
+    COMING,
+    COMING_ROLLER,
+    GAP,
+    LEAVING,
+    ROLLER_SIZE,
+    ROLLER_STATION,
+    SLIP_POWER,
+    STORED,
+    TOUCH_SIZE,
+    WRENCH_SIZE,
+)
+from spheredrive.simulation.compliant.arrow import OWN, SHARED
+from spheredrive.simulation.compliant.step import between, normalise, trial
+
+DONE, RUNNING, EVENTS_FULL, NOT_FINITE, STUCK, FALLEN = range(6)
+# Entries of a run's clock: time, next step, piece of the inputs, whether the last try was refused.
+TIME, STEP, PIECE, REFUSED = range(4)
+# Entries of a run's counters.
+SAMPLES_DONE, ACCEPTED, REJECTED, EVENTS = range(4)
+# Columns of what a sample records, besides the state: see ``Record``.
+# Kinds of event.
+LIFTED, TOUCHED = 0, 1
+# A wheel passes this share of a roller's pitch in a step at most, so that no contact is stepped over.
+PITCH_SHARE = 0.1
+# Steps shorter than this, in s, are not made to meet a corner of an outline.
+SHORTEST_LANDING = 1e-9
+# A corner is met within this angle, rad, and in so many tries.
+LANDED, LANDINGS = 1e-11, 12
+
+
+class Task(NamedTuple):
+    """What all runs share but the machine: kinds of drive and stage, input pieces (runs, p, …), sample times, the method.
+
+    control   longest step, s; shortest step, s; how deep (m) a roller may stand in the sphere when it begins to act
+    weights   (runs, 2, state): 1/tolerance of each entry; whether it is a speed
+    """
+
+    drive_kind: int
+    stage_kind: int
+    pieces: np.ndarray
+    samples: np.ndarray
+    method: np.ndarray
+    stages: int
+    order: int
+    control: np.ndarray
+    weights: np.ndarray
+
+
+class Progress(NamedTuple):
+    """Where each run is.
+
+    State, clock, counters, works so far, places of rings and their turns, rollers that act, whether stations touch.
+    """
+
+    y: np.ndarray
+    clock: np.ndarray
+    counters: np.ndarray
+    works: np.ndarray
+    places: np.ndarray
+    turns: np.ndarray
+    acting: np.ndarray
+    touching: np.ndarray
+
+
+class Record(NamedTuple):
+    """What is kept at each sample: state, rates, motor torques, touches, stored energy, works; and events."""
+
+    states: np.ndarray
+    rates: np.ndarray
+    motors: np.ndarray
+    touches: np.ndarray
+    stored: np.ndarray
+    works: np.ndarray
+    events: np.ndarray
+
+
+@njit(error_model="numpy")
+def ring_angle(o, s, y, n, stations, turns):
+    """The place of a ring's outline that faces the sphere's centre, ϑ − ζ, brought into its period."""
+    i = int(stations[s, STATION_WHEEL])
+    here = into(stations, s, vector(y, CENTRE))
+    at = WHEELS + WHEEL_STATES * n + STATION_STATES * s
+    x = stations[s, DISTANCE] + here[0] - y[at + DEFLECTION]
+    return y[WHEELS + WHEEL_STATES * i + ANGLE] - math.atan2(here[1], x) - turns[o]
+
+
+@njit(error_model="numpy")
+def stretch_ends(piece, pieces):
+    """Begin and end of the smooth stretch that a piece belongs to."""
+    first, last = int(pieces[piece, STRETCH_BEGIN]), int(pieces[piece, STRETCH_END])
+    return pieces[first, PIECE_BEGIN], pieces[last, PIECE_BEGIN] + pieces[last, PIECE_WIDTH]
+
+
+@njit(error_model="numpy")
+def settle(y, n, stations, outlines, pieces, places, turns):
+    """Bring every ring whose outline has passed a corner, or stands on one that it moves over, into its next stretch.
+
+    Returns whether there was any.
+    """
+    moved = False
+    for s in range(stations.shape[0]):
+        first = int(stations[s, FIRST_OUTLINE])
+        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+            if places[o] < 0:
+                continue
+            period = outlines[o, PERIOD]
+            speed = y[WHEELS + WHEEL_STATES * int(stations[s, STATION_WHEEL]) + SPEED_OF_WHEEL]
+            begin_row = int(outlines[o, FIRST_PIECE])
+            last_row = begin_row + int(outlines[o, PIECE_COUNT]) - 1
+            for _ in range(1000):
+                local = ring_angle(o, s, y, n, stations, turns)
+                low, high = stretch_ends(places[o], pieces)
+                if local > high + LANDED or (local > high - LANDED and speed > 0.0):
+                    after = int(pieces[places[o], STRETCH_END]) + 1
+                    if after > last_row:
+                        after = begin_row
+                        turns[o] += period
+                    places[o] = after
+                elif local < low - LANDED or (local < low + LANDED and speed < 0.0):
+                    before = int(pieces[places[o], STRETCH_BEGIN]) - 1
+                    if before < begin_row:
+                        before = last_row
+                        turns[o] -= period
+                    places[o] = before
+                else:
+                    break
+                moved = True
+                if local - period > high or local + period < low:
+                    # Far away, as at the start: whole turns at once.
+                    turns[o] += period * math.floor((local - pieces[begin_row, PIECE_BEGIN]) / period)
+    return moved
+
+
+@njit(error_model="numpy")
+def share_before_corner(y0, y1, n, stations, outlines, pieces, places, turns):
+    """Share of a step after which the first ring comes to a corner; 1 where none does."""
+    share = 1.0
+    for s in range(stations.shape[0]):
+        first = int(stations[s, FIRST_OUTLINE])
+        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+            if places[o] < 0:
+                continue
+            low, high = stretch_ends(places[o], pieces)
+            begin, end = ring_angle(o, s, y0, n, stations, turns), ring_angle(o, s, y1, n, stations, turns)
+            if end > high + LANDED:
+                share = min(share, (high - begin) / (end - begin))
+            elif end < low - LANDED:
+                share = min(share, (low - begin) / (end - begin))
+    return share
+
+
+@njit(error_model="numpy")
+def longest_step(y, n, stations, outlines, most):
+    """A step in which no wheel passes more than a share of its rollers' pitch."""
+    for s in range(stations.shape[0]):
+        speed = abs(y[WHEELS + WHEEL_STATES * int(stations[s, STATION_WHEEL]) + SPEED_OF_WHEEL])
+        first = int(stations[s, FIRST_OUTLINE])
+        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+            if outlines[o, KIND] != RING and speed * most > PITCH_SHARE * outlines[o, PITCH]:
+                most = PITCH_SHARE * outlines[o, PITCH] / speed
+    return most
+
+
+@njit(error_model="numpy")
+def finite(y):
+    """Whether every entry is a number."""
+    total = 0.0
+    for i in range(y.size):
+        total += y[i] * 0.0
+    return total == 0.0
+
+
+@njit(error_model="numpy")
+def advance_run(
+    body, wheels, stations, outlines, pieces, drive_kind, stage_kind, inputs, samples, method, stages, order, control,
+    weights, y, clock, counters, works, places, turns, acting, touching,
+    kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works, events, allowed,
+):  # fmt: skip
+    """Take a run on by ``allowed`` steps, or to its end; returns its status."""
+    n, m, q, size = wheels.shape[0], stations.shape[0], outlines.shape[0], y.size
+    turning = size - WHEELS - WHEEL_STATES * n - STATION_STATES * m
+    f0, f1, y_new, y_mid = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    vectors, ks = np.zeros((6, max(size, n))), np.zeros((stages, size))
+    H, frame, b, x = np.zeros((SHARED, SHARED)), np.zeros((7, 7)), np.zeros(SHARED), np.zeros(SHARED)
+    to_own, from_own, own = np.zeros((n, SHARED, OWN)), np.zeros((n, OWN, SHARED)), np.zeros((n, OWN, OWN))
+    b_own, z = np.zeros((n, OWN)), np.zeros((n, OWN))
+    wrenches, touches, motors = np.zeros((m, WRENCH_SIZE)), np.zeros((q, TOUCH_SIZE)), np.zeros(n)
+    power = np.zeros(POWERS)
+    rollers, rollers_1, spare = (
+        np.zeros((turning, ROLLER_SIZE)),
+        np.zeros((turning, ROLLER_SIZE)),
+        np.zeros((turning, ROLLER_SIZE)),
+    )
+    K, D, K_1, D_1 = np.zeros((m, 7, 4)), np.zeros((m, 7, 7)), np.zeros((m, 7, 4)), np.zeros((m, 7, 7))
+    limited = np.zeros(n, np.bool_)
+    powers = np.zeros((3, POWERS + q))
+    gaps, leaving = np.zeros((2, m)), np.zeros(q, np.int64)
+    _roller_stations(stations, outlines, rollers)
+    _roller_stations(stations, outlines, rollers_1)
+    drive, drive_slope, asked = np.zeros(n), np.zeros(n), np.zeros(n)
+    stage, stage_slope, pushed = np.zeros(3), np.zeros(3), np.zeros(3)
+    t, h, piece = clock[TIME], clock[STEP], int(clock[PIECE])
+    sample, gamma, grown = int(counters[SAMPLES_DONE]), method[0, 0], h
+    fresh, refused, coming = True, clock[REFUSED] > 0.0, 0.0
+    status = RUNNING
+    while allowed > 0:
+        row = inputs[piece]
+        end = row[1]
+        if settle(y, n, stations, outlines, pieces, places, turns):
+            fresh = True
+        if fresh:
+            width = end - row[0]
+            for i in range(n):
+                drive_slope[i] = (row[2 + n + i] - row[2 + i]) / width
+            for j in range(3):
+                stage_slope[j] = (row[5 + 2 * n + j] - row[2 + 2 * n + j]) / width
+        for i in range(n):
+            drive[i] = row[2 + i] + (t - row[0]) * drive_slope[i]
+        for j in range(3):
+            stage[j] = row[2 + 2 * n + j] + (t - row[0]) * stage_slope[j]
+        h = longest_step(y, n, stations, outlines, min(h, control[0]))
+        last = t + h * 1.0001 >= end
+        if last:
+            h = end - t
+        if fresh or (turning > 0 and refused):
+            while True:
+                rates(
+                    y, drive, drive_slope, stage, drive_kind, stage_kind, body, wheels, stations, outlines, pieces,
+                    places, turns, acting, True, gamma * h, f0, power, motors, wrenches, touches, rollers, K, D,
+                )  # fmt: skip
+                if not _take_up(touches, acting):
+                    break
+            _powers(power, touches, powers[0])
+            _gaps(stations, touches, gaps[0])
+            coming = _least_coming(touches)
+            if fresh and sample < samples.size and samples[sample] <= t + 1e-12 * (1.0 + t):
+                _keep(sample, y, f0, motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
+                      kept_touches, kept_stored, kept_works)  # fmt: skip
+                sample += 1
+            fresh = False
+        allowed -= 1
+        # A step may be cut where a ring comes to a corner or a roller to the sphere: then ``whole`` keeps what it was.
+        whole, cut, tries = h, False, 0
+        early, early_gap, late, late_gap = 0.0, coming, -1.0, 0.0
+        while True:
+            tries += 1
+            wrong = trial(
+                y, f0, h, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind,
+                body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
+                rollers, K, D, vectors, ks, H, frame, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors, power,
+                spare, weights, y_new,
+            )  # fmt: skip
+            if not wrong <= 1.0:
+                break
+            if tries < LANDINGS:
+                share = share_before_corner(y, y_new, n, stations, outlines, pieces, places, turns)
+                if share < 1.0 and share * h > SHORTEST_LANDING:
+                    h *= share
+                    last, cut = False, True
+                    continue
+            normalise(y_new)
+            later = end if last else t + h
+            for i in range(n):
+                asked[i] = row[2 + i] + (later - row[0]) * drive_slope[i]
+            for j in range(3):
+                pushed[j] = row[2 + 2 * n + j] + (later - row[0]) * stage_slope[j]
+            # The step after this one, as it will be begun.
+            factor = 0.9 * wrong ** (-1.0 / order) if wrong > 0.0 else 5.0
+            grown = h * min(1.0 if refused else 5.0, max(0.2, factor))
+            if cut:
+                grown = max(grown, whole)
+            grown = longest_step(y_new, n, stations, outlines, min(grown, control[0]))
+            ahead = end - later if not last and later + grown * 1.0001 >= end else grown
+            rates(
+                y_new, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places,
+                turns, acting, True, gamma * ahead, f1, power, motors, wrenches, touches, rollers_1, K_1, D_1,
+            )  # fmt: skip
+            gap = _least_coming(touches)
+            landed = control[2]
+            if tries >= LANDINGS or (late < 0.0 and gap >= 0.0) or (gap < 0.0 and gap >= -landed):
+                break
+            if gap < 0.0:
+                late, late_gap = h, gap
+            else:
+                early, early_gap = h, gap
+            # Aim a little behind the touch, so that the roller acts from the begin of the next step on.
+            share = (early_gap + 0.5 * landed) / (early_gap - late_gap) if early_gap < 1e200 else 0.5
+            shorter = early + (late - early) * min(0.99, max(0.01, share))
+            if shorter < SHORTEST_LANDING:
+                # The roller touches at once: let it act.
+                break
+            h, last, cut = shorter, False, True
+        if not wrong <= 1.0:
+            factor = 0.9 * wrong ** (-1.0 / order)
+            refused = True
+            counters[REJECTED] += 1
+            h *= max(0.1, min(0.9, factor)) if wrong < 1e300 else 0.1
+            clock[STEP], clock[REFUSED] = h, 1.0
+            if h < control[1]:
+                status = STUCK if finite(y) else NOT_FINITE
+                break
+            continue
+        counters[ACCEPTED] += 1
+        counters[REJECTED] += tries - 1
+        refused = False
+        for o in range(q):
+            leaving[o] = int(touches[o, LEAVING])
+        if not (finite(y_new) and finite(f1)):
+            status = NOT_FINITE
+            break
+        _powers(power, touches, powers[2])
+        _gaps(stations, touches, gaps[1])
+        while sample < samples.size and samples[sample] <= later:
+            part = (samples[sample] - t) / h
+            between(part, h, y, f0, y_new, f1, n, m, y_mid)
+            _at(
+                part * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
+                outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+            )  # fmt: skip
+            _keep(sample, y_mid, vectors[2], motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
+                  kept_touches, kept_stored, kept_works)  # fmt: skip
+            sample += 1
+        between(0.5, h, y, f0, y_new, f1, n, m, y_mid)
+        _at(
+            0.5 * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
+            outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+        )  # fmt: skip
+        _powers(power, touches, powers[1])
+        first_kept = int(counters[SAMPLES_DONE])
+        for k in range(first_kept, sample):
+            if samples[k] > t or t == 0.0:
+                part = (samples[k] - t) / h
+                for p in range(POWERS + q):
+                    kept_works[k, p] = works[p] + _worked(part, h, powers, p)
+        counters[SAMPLES_DONE] = sample
+        for p in range(POWERS + q):
+            works[p] += _worked(1.0, h, powers, p)
+            powers[0, p] = powers[2, p]
+        for s in range(m):
+            now = gaps[1, s] < 0.0
+            if now != (touching[s] > 0.0):
+                count = int(counters[EVENTS])
+                if count >= events.shape[0]:
+                    status = EVENTS_FULL
+                    break
+                step = gaps[0, s] - gaps[1, s]
+                part = gaps[0, s] / step if abs(step) < 1e200 and step != 0.0 else 1.0
+                events[count, 0] = t + h * min(1.0, max(0.0, part))
+                events[count, 1] = s
+                events[count, 2] = TOUCHED if now else LIFTED
+                counters[EVENTS] += 1
+                touching[s] = 1.0 if now else 0.0
+            gaps[0, s] = gaps[1, s]
+        t, h = later, grown
+        for i in range(size):
+            y[i], f0[i] = y_new[i], f1[i]
+        K, K_1 = K_1, K
+        D, D_1 = D_1, D
+        rollers, rollers_1 = rollers_1, rollers
+        clock[TIME], clock[STEP], clock[REFUSED] = t, h, 0.0
+        coming = gap
+        # What has come to touch acts from now on, what has left acts no more.
+        for o in range(q):
+            acting[o] &= ~leaving[o]
+        fresh = cut or gap < 0.0
+        if last:
+            piece += 1
+            fresh = True
+            clock[PIECE] = piece
+            if piece >= inputs.shape[0]:
+                status = DONE
+                break
+        if abs(y[CENTRE]) + abs(y[CENTRE + 1]) + abs(y[CENTRE + 2]) > body[0]:
+            status = FALLEN
+            break
+        if status == EVENTS_FULL:
+            break
+    return status
+
+
+@njit(error_model="numpy")
+def _roller_stations(stations, outlines, rollers):
+    for s in range(stations.shape[0]):
+        first = int(stations[s, FIRST_OUTLINE])
+        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+            begin = int(outlines[o, FIRST_ROLLER])
+            for k in range(begin, begin + int(outlines[o, ROLLER_COUNT])):
+                rollers[k, ROLLER_STATION] = s
+
+
+@njit(error_model="numpy")
+def _at(
+    later, y, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
+    outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+):  # fmt: skip
+    """``rates`` without derivatives ``later`` (s) than the begin of the step, into the vectors' third row."""
+    asked, pushed = vectors[3, 0 : wheels.shape[0]], vectors[4, 0:3]
+    for i in range(wheels.shape[0]):
+        asked[i] = drive[i] + later * drive_slope[i]
+    for j in range(3):
+        pushed[j] = stage[j] + later * stage_slope[j]
+    rates(
+        y, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
+        acting, False, 1.0, vectors[2], power, motors, wrenches, touches, spare, K, D,
+    )  # fmt: skip
+
+
+@njit(error_model="numpy")
+def _powers(power, touches, out):
+    for p in range(POWERS):
+        out[p] = power[p]
+    for o in range(touches.shape[0]):
+        out[POWERS + o] = touches[o, SLIP_POWER]
+
+
+@njit(error_model="numpy")
+def _gaps(stations, touches, out):
+    """The least gap of each station."""
+    for s in range(stations.shape[0]):
+        first = int(stations[s, FIRST_OUTLINE])
+        out[s] = 1e300
+        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+            out[s] = min(out[s], touches[o, GAP])
+
+
+@njit(error_model="numpy")
+def _least_coming(touches):
+    """The least gap of all rollers that do not act yet."""
+    least = 1e300
+    for o in range(touches.shape[0]):
+        least = min(least, touches[o, COMING])
+    return least
+
+
+@njit(error_model="numpy")
+def _take_up(touches, acting):
+    """Let rollers act that stand in the sphere; whether there were any."""
+    found = False
+    for o in range(touches.shape[0]):
+        if touches[o, COMING] <= 0.0:
+            acting[o] |= 1 << int(touches[o, COMING_ROLLER])
+            found = True
+    return found
+
+
+@njit(error_model="numpy", forceinline=True)
+def _worked(x, h, powers, p):
+    """∫ of the parabola through the powers at begin, middle and end, up to the share x of the step."""
+    a, b, c = powers[0, p], powers[1, p], powers[2, p]
+    return h * x * (a + x * (0.5 * (4.0 * b - 3.0 * a - c) + x * (2.0 / 3.0) * (a - 2.0 * b + c)))
+
+
+@njit(error_model="numpy")
+def _keep(
+    k, y, rate, motors, touches, wrenches, works, kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works
+):  # fmt: skip
+    """Record sample ``k``."""
+    for i in range(y.size):
+        kept_states[k, i], kept_rates[k, i] = y[i], rate[i]
+    for i in range(motors.size):
+        kept_motors[k, i] = motors[i]
+    for o in range(touches.shape[0]):
+        for j in range(TOUCH_SIZE):
+            kept_touches[k, o, j] = touches[o, j]
+    total = 0.0
+    for s in range(wrenches.shape[0]):
+        total += wrenches[s, STORED]
+    kept_stored[k] = total
+    for p in range(works.size):
+        kept_works[k, p] = works[p]
+
+
+@njit(error_model="numpy", parallel=True, nogil=True)
+def advance(body, wheels, stations, outlines, pieces, task, progress, record, allowed, status):
+    """Take every running run on, on all cores; each in its own order of operations."""
+    for b in numba.prange(status.size):
+        if status[b] == RUNNING:
+            status[b] = advance_run(
+                body[b], wheels[b], stations[b], outlines[b], pieces[b], task.drive_kind, task.stage_kind, task.pieces[b],
+                task.samples, task.method, task.stages, task.order, task.control, task.weights[b],
+                progress.y[b], progress.clock[b], progress.counters[b], progress.works[b], progress.places[b],
+                progress.turns[b], progress.acting[b], progress.touching[b],
+                record.states[b], record.rates[b], record.motors[b], record.touches[b], record.stored[b],
+                record.works[b], record.events[b], allowed,
+            )  # fmt: skip

@@ -1,0 +1,76 @@
+"""Rosenbrock methods as data, in the form that needs no product with the Jacobian (Hairer and Wanner, section IV.7).
+
+(1/(γh) − J) k_i = f(t + α_i h, y + Σ a_ij k_j) + Σ (c_ij/h) k_j + γ_i h ∂f/∂t,     y₁ = y + Σ m_j k_j,  error = Σ e_j k_j
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Method(NamedTuple):
+    """Coefficients of a method of ``order`` with s stages."""
+
+    gamma: float
+    a: np.ndarray
+    c: np.ndarray
+    alpha: np.ndarray
+    gammas: np.ndarray
+    m: np.ndarray
+    e: np.ndarray
+    order: int
+
+
+def _lower(rows, size: int) -> np.ndarray:
+    out = np.zeros((size, size))
+    for i, row in enumerate(rows):
+        out[i, : len(row)] = row
+    return out
+
+
+_A5 = (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950)
+# Hairer and Wanner's RODAS: six stages, order 4(3), stiffly accurate.
+RODAS4 = Method(
+    gamma=0.25,
+    a=_lower(
+        [
+            (),
+            (1.544,),
+            (0.9466785280815826, 0.2557011698983284),
+            (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+            _A5,
+            (*_A5, 1.0),
+        ],
+        6,
+    ),
+    c=_lower(
+        [
+            (),
+            (-5.6688,),
+            (-2.430093356833875, -0.2063599157091915),
+            (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+            (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+            (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
+        ],
+        6,
+    ),
+    alpha=np.array([0.0, 0.386, 0.21, 0.63, 1.0, 1.0]),
+    gammas=np.array([0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0]),
+    m=np.array([*_A5, 1.0, 1.0]),
+    e=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+    order=4,
+)
+# Sandu et al.: four stages, three evaluations, order 3(2), stiffly accurate.
+RODAS3 = Method(
+    gamma=0.5,
+    a=_lower([(), (0.0,), (2.0, 0.0), (2.0, 0.0, 1.0)], 4),
+    c=_lower([(), (4.0,), (1.0, -1.0), (1.0, -1.0, -8.0 / 3.0)], 4),
+    alpha=np.array([0.0, 0.0, 1.0, 1.0]),
+    gammas=np.array([0.5, 1.5, 0.0, 0.0]),
+    m=np.array([2.0, 0.0, 1.0, 1.0]),
+    e=np.array([0.0, 0.0, 0.0, 1.0]),
+    order=3,
+)
+METHODS = {"rodas4": RODAS4, "rodas3": RODAS3}
