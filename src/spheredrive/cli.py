@@ -297,6 +297,124 @@ def demo(
 
 
 @app.command
+def export(
+    format: str,
+    design: Path,
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])],
+    check: Path | None = None,
+    json: Json = False,
+) -> int:
+    """Write the machine for another program, and say how far that program's answer is from ours.
+
+    Parameters
+    ----------
+    format
+        Format of the file: mjcf, a MuJoCo model with every roller on its own hinge.
+    design
+        Design file (TOML).
+    output
+        The file to write.
+    check
+        Motion file (TOML): run it in both programs and compare.
+    """
+    from spheredrive.export.command import check_motion, check_text
+    from spheredrive.export.command import export as write
+    from spheredrive.io.design_file import load_design
+    from spheredrive.io.files import require_no_input
+    from spheredrive.io.motion_file import load_motion
+
+    loaded = load_design(design)
+    asked = None if check is None else load_motion(check, wheel_count=loaded.wheel_count)
+    require_no_input(output, _inputs((design, loaded), *([] if asked is None else [(check, asked)])))
+    write(format, loaded, output)
+    if asked is None:
+        if json:
+            _print_json({"path": str(output)})
+        else:
+            print(output)
+        return 0
+    try:
+        with _progress("Running both engines") as watch:
+            result = check_motion(loaded, asked, watch=watch)
+    except KeyboardInterrupt:
+        _note(f"Stopped: {output} is written, the engines are not compared.")
+        return EXIT_STOPPED
+    if json:
+        _print_json({"path": str(output), **result.as_dict()})
+    else:
+        print(f"{output}\n{check_text(result)}")
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
+def sweep(
+    study: Path,
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])],
+    workers: int | None = None,
+    dask: str | None = None,
+    json: Json = False,
+) -> int:
+    """Work out every point of a study and write tables and figures; the same command goes on where it was stopped.
+
+    Parameters
+    ----------
+    study
+        Study file (TOML).
+    output
+        The folder to write: result.nc, result.parquet and figures.
+    workers
+        Processes; one a core if absent, 0 for none but this one.
+    dask
+        Address of a running Dask scheduler, such as tcp://host:8786, instead of processes here.
+    """
+    from spheredrive.studies.sweep.command import Stopped, sweep_command
+
+    try:
+        result = sweep_command(study, output, workers, dask)
+    except Stopped as stop:
+        _note(str(stop))
+        return EXIT_STOPPED
+    for note in result.notes:
+        _note(note)
+    if json:
+        _print_json(result.as_dict())
+    else:
+        print(result.text())
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
+def view(
+    design: Path,
+    run: Path | None = None,
+    *,
+    port: int | None = None,
+    browser: bool = True,
+    address: str = "127.0.0.1",
+) -> int:
+    """Open the machine in a browser page: sliders, Jacobian, findings, and a run played back.
+
+    Parameters
+    ----------
+    design
+        Design file (TOML), or the folder of a sweep or an optimization.
+    run
+        Run of simulate (NetCDF), or the folder of a sweep or an optimization.
+    port
+        Port to listen on; the first free one from 8080 if absent.
+    browser
+        Open the page where there is a screen.
+    address
+        Address to listen on; any but this machine's own takes the token that is printed.
+    """
+    from spheredrive.app.command import view as show
+
+    return show(design, run, port, browser, address)
+
+
+@app.command
 def reproduce(
     *,
     output: Annotated[Path, Parameter(name=["-o", "--output"])] = Path("reproduction"),

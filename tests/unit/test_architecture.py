@@ -22,10 +22,11 @@ LAYERS = [
     ("dynamics",),
     ("vibration",),
     ("simulation",),
-    ("summary",),
+    ("summary", "scene"),
     ("io", "designs"),
     ("report",),
-    ("studies",),
+    ("studies", "export"),
+    ("app",),
     ("cli",),
 ]
 # A value that can describe itself: ``Design.__str__`` asks for its table when it is printed.

@@ -267,7 +267,7 @@ def _mount_force(stations, s, y, at, pressing):
     return -stations[s, MOUNT_STIFFNESS] * y[at + DEFLECTION] - stations[s, MOUNT_DAMPING] * y[at + DEFLECTION_RATE] - pressing
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def _sphere_acceleration(y, F, M, stage, body):
     """c̈ and Ω̇ from the force and the moment about the geometric centre, and the mass centre ρ in the inertial frame.
 
@@ -307,7 +307,7 @@ def _sphere_acceleration(y, F, M, stage, body):
     return (A[0] - about[0] - stage[0], A[1] - about[1] - stage[1], A[2] - about[2] - stage[2]), angular, rho
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def _free_rollers(s, i, wheels, stations, outlines, spins, rollers, power):
     """Rollers with inertia that touch nothing run out on their bearings."""
     from_outline = int(stations[s, FIRST_OUTLINE])

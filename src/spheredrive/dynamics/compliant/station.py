@@ -2,8 +2,8 @@
 
 A contact acts through three rows: along Ĝ (normal force N), û (friction T) and f̂ (E, a roller's drag). A row j turns the
 velocities (ḋ, Ω, ω) into the contact's own, and jᵀ turns its force into the wrench (F, M on the sphere, τ on the wheel), so
-that power balances for every state. All derivatives are exact but for three that are of the size of a ring's slope: a solver
-of the Rosenbrock kind keeps its order by them. Source: model.md section 5c.
+that power balances for every state. The derivatives are exact but for terms of the size of a ring's slope squared: a solver of
+the Rosenbrock kind keeps its order by them. Source: model.md section 5c.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def _about_axis(a, b):
     return a[0] * b[1] - a[1] * b[0]
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def station_forces(
     st, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
     d, d_rate, Omega, theta, omega, derive, gh, wrenches, touches, rollers, K, D,
@@ -126,7 +126,7 @@ def station_forces(
                 touches[o, LEAVING] += float(1 << number)
                 continue
             G, u, f, arm, point = _rows(touch, d, R)
-            steep = touch[14]
+            steep = touch[17]
             # The speed of the contact: U without the sphere's turning.
             U = (
                 d_rate[0] + omega * point[1], d_rate[1] - omega * point[0], d_rate[2],
@@ -142,7 +142,7 @@ def station_forces(
             )
             pressed = N * steep
             s, t = dot(u, U) + arm * dot(f, Omega), dot(f, U) - arm * dot(u, Omega)
-            lever = touch[13]
+            lever = touch[16]
             turning = inertia > 0.0 and lever > 0.0 and count > 0
             spin, index = 0.0, 0
             if turning:
@@ -190,41 +190,24 @@ def station_forces(
             if stations[st, ROLLING_ARM] > 0.0 or stations[st, SPIN_ARM] > 0.0:
                 _resist(
                     st, G, u, f, pressed, mu, stations[st, ROLLING_ARM], stations[st, SPIN_ARM], turn_speed, Omega, omega,
-                    steep * N_rate, steep * N_depth, d, derive, wrenches, K, D,
+                    steep * N_rate, steep * N_depth, d, touch, derive, wrenches, K, D,
                 )  # fmt: skip
     if derive:
         _by_angle(st, wrenches, d, d_rate, Omega, K, D)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def _derive(
     st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
     T_N, E_N, T_s, T_t, E_s, E_t, F, turning, inertia, bearing, gh, rollers, index, K, D,
 ):  # fmt: skip
     """Add the derivatives of one contact's wrench to K (by d) and D (by the velocities)."""
-    kappa_u, kappa_f, twist, lever, steep = touch[10], touch[11], touch[12], touch[13], touch[14]
+    kappa_u, kappa_f, kappa_x, lever, steep = touch[10], touch[11], touch[12], touch[16], touch[17]
     # Rows by (ḋ, Ω, ω).
     j_N = (steep * G[0], steep * G[1], steep * G[2], 0.0, 0.0, 0.0, -steep * _about_axis(point, G))
     j_T = (u[0], u[1], u[2], arm * f[0], arm * f[1], arm * f[2], -_about_axis(point, u))
     j_E = (f[0], f[1], f[2], -arm * u[0], -arm * u[1], -arm * u[2], -_about_axis(point, f))
-    # By displacements along G, u and f: of N, of the slips s and t.
     across = (d_rate[0] + omega * d[1], d_rate[1] - omega * d[0], d_rate[2])
-    N_d = (
-        -N_depth * steep,
-        -N_rate * (steep * kappa_u * dot(u, across) - omega * steep * _about_axis(u, G)),
-        -N_rate * (steep * kappa_f * dot(f, across) - omega * steep * _about_axis(f, G)),
-    )
-    s_d = (
-        0.5 * steep * dot(f, Omega) - omega * (1.0 - 0.5 * steep) * _about_axis(G, u),
-        -kappa_u * dot(G, U),
-        -twist * dot(f, U) + arm * (-kappa_f * dot(G, Omega) + twist * dot(u, Omega))
-        - omega * (1.0 - arm * kappa_f) * _about_axis(f, u),
-    )  # fmt: skip
-    t_d = (
-        -0.5 * steep * dot(u, Omega) - omega * (1.0 - 0.5 * steep) * _about_axis(G, f),
-        -omega * (1.0 - arm * kappa_u) * _about_axis(u, f) + arm * kappa_u * dot(G, Omega),
-        -kappa_f * dot(G, U) + twist * dot(u, U) + arm * twist * dot(f, Omega),
-    )
     # A roller with inertia: its speed follows from E and is eliminated, z = (I r/… − lever dE)/held.
     share_T, share_E, held = 0.0, 1.0, 1.0
     if turning:
@@ -244,23 +227,23 @@ def _derive(
         for r in range(7):
             D[st, r, i] += j_N[r] * N_v + j_T[r] * T_v + j_E[r] * E_v
     for b in range(3):
-        dN = N_d[b]
-        E_raw = E_N * grow * dN + E_s * s_d[b] + E_t * t_d[b]
-        dT = T_N * grow * dN + T_s * s_d[b] + T_t * t_d[b] + share_T * E_raw
-        dE = share_E * E_raw
+        # A displacement along e turns the frame: dG = p u + q f, du = −p G + τ f, df = −q G − τ u.
         e = G if b == 0 else (u if b == 1 else f)
-        if b == 0:
-            bend, u_d, f_d = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-            arm_d, move = 0.5 * steep, 1.0 - 0.5 * steep
-        elif b == 1:
-            bend = (kappa_u * u[0], kappa_u * u[1], kappa_u * u[2])
-            u_d, f_d = (-kappa_u * G[0], -kappa_u * G[1], -kappa_u * G[2]), (0.0, 0.0, 0.0)
-            arm_d, move = 0.0, 1.0 - arm * kappa_u
-        else:
-            bend = (kappa_f * f[0], kappa_f * f[1], kappa_f * f[2])
-            u_d = (-twist * f[0], -twist * f[1], -twist * f[2])
-            f_d = (twist * u[0] - kappa_f * G[0], twist * u[1] - kappa_f * G[1], twist * u[2] - kappa_f * G[2])
-            arm_d, move = 0.0, 1.0 - arm * kappa_f
+        p = 0.0 if b == 0 else (kappa_u if b == 1 else kappa_x)
+        q = 0.0 if b == 0 else (kappa_x if b == 1 else kappa_f)
+        tau, arm_d = touch[13 + b], 0.5 * steep if b == 0 else 0.0
+        bend = (p * u[0] + q * f[0], p * u[1] + q * f[1], p * u[2] + q * f[2])
+        u_d = (tau * f[0] - p * G[0], tau * f[1] - p * G[1], tau * f[2] - p * G[2])
+        f_d = (-q * G[0] - tau * u[0], -q * G[1] - tau * u[1], -q * G[2] - tau * u[2])
+        move = (
+            e[0] - arm_d * G[0] - arm * bend[0], e[1] - arm_d * G[1] - arm * bend[1], e[2] - arm_d * G[2] - arm * bend[2],
+        )  # fmt: skip
+        dN = -N_rate * steep * (dot(bend, across) - omega * _about_axis(e, G)) - (N_depth * steep if b == 0 else 0.0)
+        ds = dot(u_d, U) - omega * _about_axis(move, u) + arm_d * dot(f, Omega) + arm * dot(f_d, Omega)
+        dt = dot(f_d, U) - omega * _about_axis(move, f) - arm_d * dot(u, Omega) - arm * dot(u_d, Omega)
+        E_raw = E_N * grow * dN + E_s * ds + E_t * dt
+        dT = T_N * grow * dN + T_s * ds + T_t * dt + share_T * E_raw
+        dE = share_E * E_raw
         dF = (
             steep * (dN * G[0] + N * bend[0]) + dT * u[0] + T * u_d[0] + dE * f[0] + E * f_d[0],
             steep * (dN * G[1] + N * bend[1]) + dT * u[1] + T * u_d[1] + dE * f[1] + E * f_d[1],
@@ -271,7 +254,7 @@ def _derive(
             arm_d * (T * f[1] - E * u[1]) + arm * (dT * f[1] + T * f_d[1] - dE * u[1] - E * u_d[1]),
             arm_d * (T * f[2] - E * u[2]) + arm * (dT * f[2] + T * f_d[2] - dE * u[2] - E * u_d[2]),
         )
-        d_torque = -move * _about_axis(e, F) - _about_axis(point, dF)
+        d_torque = -_about_axis(move, F) - _about_axis(point, dF)
         for c in range(3):
             for r in range(3):
                 K[st, r, c] += dF[r] * e[c]
@@ -290,9 +273,9 @@ def _derive(
         rollers[index, E_ROW + 10] = -_about_axis(d, by_d) - _about_axis(d_rate, by_v) - _about_axis(Omega, by_O)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def _resist(
-    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, derive, wrenches, K, D
+    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, touch, derive, wrenches, K, D
 ):  # fmt: skip
     """Add rolling and spin resistance (``contact.resistance_moment``): moments on the sphere, their opposite on the wheel."""
     w = (Omega[0], Omega[1], Omega[2] - omega)
@@ -319,6 +302,19 @@ def _resist(
                     D[st, 3 + i, 6] -= value
                 if i == 2 and j == 2:
                     D[st, 6, 6] += value
+        for b in range(1, 3):
+            # The axes turn with the normal: dG = p u + t f along u and along f.
+            along_u, along_f = (touch[10], touch[12]) if b == 1 else (touch[12], touch[11])
+            e = u if b == 1 else f
+            bend = (along_u * u[0] + along_f * f[0], along_u * u[1] + along_f * f[1], along_u * u[2] + along_f * f[2])
+            spun, rolled = dot(w, bend), r * along * dot(flat, bend) / (roll * roll)
+            slope = mu * spinning * smooth * smooth / (spin * spin * spin)
+            for i in range(3):
+                dm = pressed * (r * (spun * G[i] + along * bend[i]) - rolled * flat[i] - slope * spun * G[i] - q * bend[i])
+                for j in range(3):
+                    K[st, 3 + i, j] += dm * e[j]
+                    if i == 2:
+                        K[st, 6, j] -= dm * e[j]
         turned = -_about_axis(d, G)
         for i in range(3):
             for j in range(3):
@@ -331,7 +327,7 @@ def _resist(
         D[st, 6, 6] += m[2] * N_rate * turned
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def _by_angle(st, wrenches, d, d_rate, Omega, K, D):
     """The derivative by ϑ: sphere and wheel turned together about the axis turn the wrench with them."""
     z_d, z_v, z_O = (-d[1], d[0]), (-d_rate[1], d_rate[0]), (-Omega[1], Omega[0])

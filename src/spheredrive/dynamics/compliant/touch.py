@@ -8,9 +8,10 @@ roller is a matter of that half plane:
     gap = min over s of √(w² + (σ − s)²) − ρ(s) − R
 
 A touch is a tuple: gap; the normal Ĝ away from the wheel; û, the roller's axis laid into the tangent plane, along which it
-holds; f̂ = û × Ĝ, along which it turns freely; the curvatures κ_u and κ_f of the gap along both, so that
-dĜ = κ_u û (û·dd) + κ_f f̂ (f̂·dd); the twist dû = … − twist f̂ (f̂·dd); the lever of the contact point about the roller's own
-axis; the steepness |∇gap|, 1 but on a ring.
+holds; f̂ = û × Ĝ, along which it turns freely; how these turn with a displacement of the centre, dĜ = p û + q f̂,
+dû = −p Ĝ + τ f̂, by the curvatures κ_u, κ_f and κ_x of the gap, p = κ_u dd_u + κ_x dd_f, q = κ_x dd_u + κ_f dd_f, and the
+twist τ by its components along Ĝ, û and f̂; the lever of the contact point about the roller's own axis; the steepness |∇gap|,
+1 but on a ring.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def barrel_place(w, sigma, r_b, a, S2):
     return s
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     """Touch of the roller whose middle stands at β, cos β and sin β given; (x, y, z) is the sphere's centre."""
     a, S, C = outlines[o, AXIS_DISTANCE], outlines[o, SINE], outlines[o, COSINE]
@@ -67,7 +68,7 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     w = math.sqrt(px * px + py * py + pz * pz)
     nearest = w - outlines[o, THICKEST] - R
     if not nearest < 0.0:
-        return (max(nearest, 1e-300), 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        return (max(nearest, 1e-300), 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     px, py, pz = px / w, py / w, pz / w
     kind, L = outlines[o, KIND], outlines[o, HALF_LENGTH]
     s = barrel_place(w, sigma, outlines[o, SECTION], a, S * S) if kind == BARREL else sigma
@@ -99,7 +100,7 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
         n_w * px + n_s * Ax, n_w * py + n_s * Ay, n_w * pz + n_s * Az,
         n_w * Ax - n_s * px, n_w * Ay - n_s * py, n_w * Az - n_s * pz,
         fx, fy, fz,
-        kappa, n_w / w, n_s / w, lever, 1.0,
+        kappa, n_w / w, 0.0, 0.0, 0.0, -n_s / w, lever, 1.0,
     )  # fmt: skip
 
 
@@ -116,7 +117,7 @@ def ring_piece(angle, piece, pieces):
     return first
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy")
 def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
     """Touch of a ring of radius r_w − r_r and cross-section r_r at the wheel's ``angle``.
 
@@ -167,10 +168,17 @@ def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
         H_rr * f_r * f_r + H_tt * f_t * f_t + H_zz * f_z * f_z
         + 2.0 * (H_rt * f_r * f_t + H_rz * f_r * f_z + H_tz * f_t * f_z)
     )  # fmt: skip
+    kappa_x = (
+        H_rr * u_r * f_r + H_tt * u_t * f_t + H_zz * u_z * f_z
+        + H_rt * (u_r * f_t + u_t * f_r) + H_rz * (u_r * f_z + u_z * f_r) + H_tz * (u_t * f_z + u_z * f_t)
+    ) / steep  # fmt: skip
+    # û is the axis S ζ̂ + C ẑ laid into the tangent plane: it turns as ζ̂ does, and as the plane does.
+    pace, lag = -S * f_r / (far * size), along / size
     return (
         ell - r_r - R,
         G_r * cosine - G_t * sine, G_r * sine + G_t * cosine, G_z,
         u_r * cosine - u_t * sine, u_r * sine + u_t * cosine, u_z,
         f_r * cosine - f_t * sine, f_r * sine + f_t * cosine, f_z,
-        kappa_u / steep, kappa_f / steep, 0.0, r_r, steep,
+        kappa_u / steep, kappa_f / steep, kappa_x, pace * G_t, pace * u_t - lag * kappa_x, pace * f_t - lag * kappa_f / steep,
+        r_r, steep,
     )  # fmt: skip

@@ -13,6 +13,7 @@ from spheredrive.dynamics.algebra import cross, dot, rotation_rows, times
 from spheredrive.dynamics.compliant.instant import out_of, symmetric, turned_inertia, vector
 from spheredrive.dynamics.compliant.layout import (
     AXIAL_INERTIA,
+    CENTRE_VELOCITY,
     CLOSURE_DAMPING,
     CLOSURE_STIFFNESS,
     DRIVEN,
@@ -30,7 +31,9 @@ from spheredrive.dynamics.compliant.layout import (
     PROPORTIONAL,
     QUATERNION,
     SPEED,
+    STAGE_VELOCITY,
     STATION_COUNT,
+    WEIGHT,
 )
 
 # Most unknowns the wheels share, and most a wheel has of its own.
@@ -70,10 +73,14 @@ def mass_frame(y, body):
 
 
 @njit(error_model="numpy")
-def assemble(y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, first, K, D, H, to_own, from_own, own, frame):
+def assemble(
+    y, f0, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, first, K, D, H, to_own, from_own, own, frame, by_turn
+):
     """Fill ``H`` (9, 9) with the inverse of the shared system, ``own``, ``to_own`` and ``from_own`` with the wheels' blocks.
 
+    f0         the state's rate at the begin of the step
     I, first   what ``mass_frame`` gives
+    by_turn    (6, 3), filled with the derivative of the sphere's rows, force less mass times acceleration, by a small turn
     limited    whether each motor stands at its limit
     Returns False where the system is singular.
     """
@@ -92,8 +99,6 @@ def assemble(y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, 
         H[i, i] += f * mass
     # Rows of M_s [ρ]×.
     skew = ((0.0, -first[2], first[1]), (first[2], 0.0, -first[0]), (-first[1], first[0], 0.0))
-    Omega = vector(y, OMEGA)
-    momentum = times(I, Omega)
     for i in range(3):
         for j in range(3):
             H[i, 3 + j] -= f * skew[i][j]
@@ -104,13 +109,7 @@ def assemble(y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, 
         if size == 9:
             H[i, 6 + i] = H[6 + i, i] = f * mass
             H[6 + i, 6 + i] = f * body[MOVING_MASS]
-    # Ω×IΩ changes with Ω by [Ω]× I − [IΩ]×.
-    columns = ((I[0], I[1], I[2]), (I[1], I[3], I[4]), (I[2], I[4], I[5]))
-    units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    for j in range(3):
-        one, two = cross(Omega, columns[j]), cross(units[j], momentum)
-        for i in range(3):
-            H[3 + i, 3 + j] += one[i] + two[i]
+    _sphere_derivatives(y, f0, f, size, I, first, body, H, by_turn)
     for i in range(wheels.shape[0]):
         start, count = int(wheels[i, FIRST_STATION]), int(wheels[i, STATION_COUNT])
         rank = 1 + count
@@ -175,6 +174,52 @@ def assemble(y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, 
                     total += B[r, p] * C[p, j]
                 H[r, j] -= total
     return invert(H, size)
+
+
+@njit(error_model="numpy")
+def _sphere_derivatives(y, f0, f, size, I, first, body, H, by_turn):
+    """Add to ``H`` what the sphere's own rows change by with Ω and, through it, with the orientation; fill ``by_turn``.
+
+    A small turn θ moves M_s ρ by θ × M_s ρ and the inertia by δI x = θ×(I x) − I (θ×x). Within a step the orientation turns by
+    k_θ = s (k_Ω/(γh) + ½ Ω×k_Ω) with s = 1/(1/(γh)² + ¼ |Ω|²).
+    """
+    Omega, turning = vector(y, OMEGA), vector(f0, OMEGA)
+    fall = (
+        body[WEIGHT] / body[MASS] - f0[CENTRE_VELOCITY] - f0[STAGE_VELOCITY],
+        body[WEIGHT + 1] / body[MASS] - f0[CENTRE_VELOCITY + 1] - f0[STAGE_VELOCITY + 1],
+        body[WEIGHT + 2] / body[MASS] - f0[CENTRE_VELOCITY + 2] - f0[STAGE_VELOCITY + 2],
+    )
+    momentum, whirl = times(I, Omega), times(I, turning)
+    share = 1.0 / (f * f + 0.25 * dot(Omega, Omega))
+    for j in range(3):
+        e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+        # By Ω: of Ω×(Ω×M_s ρ) and of Ω×IΩ.
+        swing, spin = cross(Omega, cross(e, first)), cross(e, cross(Omega, first))
+        gyration, lag = cross(Omega, times(I, e)), cross(e, momentum)
+        # By the orientation.
+        moved = cross(e, first)
+        I_turning, I_Omega = times(I, cross(e, turning)), times(I, cross(e, Omega))
+        held, spun = cross(e, whirl), cross(e, momentum)
+        pulled, swung = cross(turning, moved), cross(Omega, cross(Omega, moved))
+        weighed = cross(moved, fall)
+        twisted = cross(Omega, (spun[0] - I_Omega[0], spun[1] - I_Omega[1], spun[2] - I_Omega[2]))
+        for i in range(3):
+            H[i, 3 + j] += swing[i] + spin[i]
+            H[3 + i, 3 + j] += gyration[i] + lag[i]
+            if size == 9:
+                H[6 + i, 3 + j] += swing[i] + spin[i]
+            by_turn[i, j] = -pulled[i] - swung[i]
+            by_turn[3 + i, j] = weighed[i] - held[i] + I_turning[i] - twisted[i]
+    for j in range(3):
+        e = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+        half = cross(Omega, e)
+        for i in range(6):
+            total = 0.0
+            for k in range(3):
+                total += by_turn[i, k] * share * (f * e[k] + 0.5 * half[k])
+            H[i, 3 + j] -= total
+            if size == 9 and i < 3:
+                H[6 + i, 3 + j] -= total
 
 
 @njit(error_model="numpy", forceinline=True)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from spheredrive.compiled import njit
+from spheredrive.dynamics.compliant.energy import energies
 from spheredrive.dynamics.compliant.instant import into, rates, vector
 from spheredrive.dynamics.compliant.layout import (
     ANGLE,
@@ -29,6 +28,7 @@ from spheredrive.dynamics.compliant.layout import (
     RING,
     ROLLER_COUNT,
     SPEED_OF_WHEEL,
+    STAGE_WORK,
     STATION_STATES,
     STATION_WHEEL,
     STRETCH_BEGIN,
@@ -56,7 +56,6 @@ DONE, RUNNING, EVENTS_FULL, NOT_FINITE, STUCK, FALLEN = range(6)
 TIME, STEP, PIECE, REFUSED = range(4)
 # Entries of a run's counters.
 SAMPLES_DONE, ACCEPTED, REJECTED, EVENTS = range(4)
-# Columns of what a sample records, besides the state: see ``Record``.
 # Kinds of event.
 LIFTED, TOUCHED = 0, 1
 # A wheel passes this share of a roller's pitch in a step at most, so that no contact is stepped over.
@@ -65,52 +64,6 @@ PITCH_SHARE = 0.1
 SHORTEST_LANDING = 1e-9
 # A corner is met within this angle, rad, and in so many tries.
 LANDED, LANDINGS = 1e-11, 12
-
-
-class Task(NamedTuple):
-    """What all runs share but the machine: kinds of drive and stage, input pieces (runs, p, …), sample times, the method.
-
-    control   longest step, s; shortest step, s; how deep (m) a roller may stand in the sphere when it begins to act
-    weights   (runs, 2, state): 1/tolerance of each entry; whether it is a speed
-    """
-
-    drive_kind: int
-    stage_kind: int
-    pieces: np.ndarray
-    samples: np.ndarray
-    method: np.ndarray
-    stages: int
-    order: int
-    control: np.ndarray
-    weights: np.ndarray
-
-
-class Progress(NamedTuple):
-    """Where each run is.
-
-    State, clock, counters, works so far, places of rings and their turns, rollers that act, whether stations touch.
-    """
-
-    y: np.ndarray
-    clock: np.ndarray
-    counters: np.ndarray
-    works: np.ndarray
-    places: np.ndarray
-    turns: np.ndarray
-    acting: np.ndarray
-    touching: np.ndarray
-
-
-class Record(NamedTuple):
-    """What is kept at each sample: state, rates, motor torques, touches, stored energy, works; and events."""
-
-    states: np.ndarray
-    rates: np.ndarray
-    motors: np.ndarray
-    touches: np.ndarray
-    stored: np.ndarray
-    works: np.ndarray
-    events: np.ndarray
 
 
 @njit(error_model="numpy")
@@ -146,16 +99,18 @@ def settle(y, n, stations, outlines, pieces, places, turns):
             speed = y[WHEELS + WHEEL_STATES * int(stations[s, STATION_WHEEL]) + SPEED_OF_WHEEL]
             begin_row = int(outlines[o, FIRST_PIECE])
             last_row = begin_row + int(outlines[o, PIECE_COUNT]) - 1
+            # A corner that is nearer than the shortest step is passed at once.
+            near = LANDED + 1.01 * SHORTEST_LANDING * abs(speed)
             for _ in range(1000):
                 local = ring_angle(o, s, y, n, stations, turns)
                 low, high = stretch_ends(places[o], pieces)
-                if local > high + LANDED or (local > high - LANDED and speed > 0.0):
+                if local > high + near or (local > high - near and speed > 0.0):
                     after = int(pieces[places[o], STRETCH_END]) + 1
                     if after > last_row:
                         after = begin_row
                         turns[o] += period
                     places[o] = after
-                elif local < low - LANDED or (local < low + LANDED and speed < 0.0):
+                elif local < low - near or (local < low + near and speed < 0.0):
                     before = int(pieces[places[o], STRETCH_BEGIN]) - 1
                     if before < begin_row:
                         before = last_row
@@ -209,18 +164,31 @@ def finite(y):
     return total == 0.0
 
 
-@njit(error_model="numpy")
-def advance_run(
+@njit(error_model="numpy", nogil=True)
+def advance(
     body, wheels, stations, outlines, pieces, drive_kind, stage_kind, inputs, samples, method, stages, order, control,
     weights, y, clock, counters, works, places, turns, acting, touching,
     kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works, events, allowed,
 ):  # fmt: skip
-    """Take a run on by ``allowed`` steps, or to its end; returns its status."""
+    """Take a run on by ``allowed`` steps, or to its end; returns its status.
+
+    inputs        straight pieces of drive and stage, as ``simulation.inputs`` gives them
+    samples       times at which the run is recorded, s
+    method, stages, order   of the Rosenbrock method (``run.packed``)
+    control       longest step, s; shortest step, s; how deep (m) a roller may stand in the sphere when it begins to act; how
+                  far the ledger of a step may be off, as a share of what moves through it and in J
+    weights       (2, state): 1/tolerance of each entry; whether it is a speed
+    y, clock, counters, works, places, turns, acting, touching   where the run is: state, ``TIME`` …, ``SAMPLES_DONE`` …, works
+                  so far, pieces of rings and their turns, rollers that act, whether stations touch
+    kept_…        what is recorded at each sample: state, its rate, motor torques, touches, elastic energy, works
+    events        time, station and kind (``LIFTED``, ``TOUCHED``) of each contact lost or made
+    """
     n, m, q, size = wheels.shape[0], stations.shape[0], outlines.shape[0], y.size
     turning = size - WHEELS - WHEEL_STATES * n - STATION_STATES * m
     f0, f1, y_new, y_mid = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
     vectors, ks = np.zeros((6, max(size, n))), np.zeros((stages, size))
     H, frame, b, x = np.zeros((SHARED, SHARED)), np.zeros((7, 7)), np.zeros(SHARED), np.zeros(SHARED)
+    by_turn = np.zeros((6, 3))
     to_own, from_own, own = np.zeros((n, SHARED, OWN)), np.zeros((n, OWN, SHARED)), np.zeros((n, OWN, OWN))
     b_own, z = np.zeros((n, OWN)), np.zeros((n, OWN))
     wrenches, touches, motors = np.zeros((m, WRENCH_SIZE)), np.zeros((q, TOUCH_SIZE)), np.zeros(n)
@@ -239,7 +207,7 @@ def advance_run(
     drive, drive_slope, asked = np.zeros(n), np.zeros(n), np.zeros(n)
     stage, stage_slope, pushed = np.zeros(3), np.zeros(3), np.zeros(3)
     t, h, piece = clock[TIME], clock[STEP], int(clock[PIECE])
-    sample, gamma, grown = int(counters[SAMPLES_DONE]), method[0, 0], h
+    sample, gamma, grown, energy = int(counters[SAMPLES_DONE]), method[0, 0], h, 0.0
     fresh, refused, coming = True, clock[REFUSED] > 0.0, 0.0
     status = RUNNING
     while allowed > 0:
@@ -271,6 +239,8 @@ def advance_run(
                     break
             _powers(power, touches, powers[0])
             _gaps(stations, touches, gaps[0])
+            kinetic, potential = energies(y, body, wheels, stations, outlines)
+            energy = kinetic + potential + _stored(wrenches)
             coming = _least_coming(touches)
             if fresh and sample < samples.size and samples[sample] <= t + 1e-12 * (1.0 + t):
                 _keep(sample, y, f0, motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
@@ -286,8 +256,8 @@ def advance_run(
             wrong = trial(
                 y, f0, h, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind,
                 body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
-                rollers, K, D, vectors, ks, H, frame, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors, power,
-                spare, weights, y_new,
+                rollers, K, D, vectors, ks, H, frame, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors,
+                power, spare, weights, y_new,
             )  # fmt: skip
             if not wrong <= 1.0:
                 break
@@ -295,7 +265,7 @@ def advance_run(
                 share = share_before_corner(y, y_new, n, stations, outlines, pieces, places, turns)
                 if share < 1.0 and share * h > SHORTEST_LANDING:
                     h *= share
-                    last, cut = False, True
+                    last, cut, late = False, True, -1.0
                     continue
             normalise(y_new)
             later = end if last else t + h
@@ -339,16 +309,35 @@ def advance_run(
                 status = STUCK if finite(y) else NOT_FINITE
                 break
             continue
-        counters[ACCEPTED] += 1
-        counters[REJECTED] += tries - 1
-        refused = False
+        _powers(power, touches, powers[2])
+        _gaps(stations, touches, gaps[1])
         for o in range(q):
             leaving[o] = int(touches[o, LEAVING])
+        kinetic, potential = energies(y_new, body, wheels, stations, outlines)
+        energy_end = kinetic + potential + _stored(wrenches)
+        between(0.5, h, y, f0, y_new, f1, n, m, y_mid)
+        _at(
+            0.5 * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
+            outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+        )  # fmt: skip
+        _powers(power, touches, powers[1])
+        off = abs(energy_end - energy - _gained(h, powers)) / (control[3] * _moved(h, powers) + control[4])
+        if off > 1.0 and h > SHORTEST_LANDING:
+            # What the powers at begin, middle and end add up to is not what the energy changed by: look closer.
+            refused = True
+            counters[REJECTED] += 1
+            h *= max(0.2, min(0.8, off**-0.25))
+            clock[STEP], clock[REFUSED] = h, 1.0
+            continue
+        if off > 0.0:
+            grown = min(grown, h * max(0.5, 0.9 * off**-0.25)) if not cut else grown
         if not (finite(y_new) and finite(f1)):
             status = NOT_FINITE
             break
-        _powers(power, touches, powers[2])
-        _gaps(stations, touches, gaps[1])
+        energy = energy_end
+        counters[ACCEPTED] += 1
+        counters[REJECTED] += tries - 1
+        refused = False
         while sample < samples.size and samples[sample] <= later:
             part = (samples[sample] - t) / h
             between(part, h, y, f0, y_new, f1, n, m, y_mid)
@@ -359,12 +348,6 @@ def advance_run(
             _keep(sample, y_mid, vectors[2], motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
                   kept_touches, kept_stored, kept_works)  # fmt: skip
             sample += 1
-        between(0.5, h, y, f0, y_new, f1, n, m, y_mid)
-        _at(
-            0.5 * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
-            outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
-        )  # fmt: skip
-        _powers(power, touches, powers[1])
         first_kept = int(counters[SAMPLES_DONE])
         for k in range(first_kept, sample):
             if samples[k] > t or t == 0.0:
@@ -482,6 +465,33 @@ def _take_up(touches, acting):
     return found
 
 
+@njit(error_model="numpy")
+def _stored(wrenches):
+    """Elastic energy of all contacts."""
+    total = 0.0
+    for s in range(wrenches.shape[0]):
+        total += wrenches[s, STORED]
+    return total
+
+
+@njit(error_model="numpy")
+def _gained(h, powers):
+    """Works less losses over a step of length h."""
+    total = 0.0
+    for p in range(POWERS):
+        total += _worked(1.0, h, powers, p) * (1.0 if p <= STAGE_WORK else -1.0)
+    return total
+
+
+@njit(error_model="numpy")
+def _moved(h, powers):
+    """Energy that moves in a step of length h, whatever its sign."""
+    total = 0.0
+    for p in range(POWERS):
+        total += h / 6.0 * (abs(powers[0, p]) + 4.0 * abs(powers[1, p]) + abs(powers[2, p]))
+    return total
+
+
 @njit(error_model="numpy", forceinline=True)
 def _worked(x, h, powers, p):
     """∫ of the parabola through the powers at begin, middle and end, up to the share x of the step."""
@@ -501,24 +511,6 @@ def _keep(
     for o in range(touches.shape[0]):
         for j in range(TOUCH_SIZE):
             kept_touches[k, o, j] = touches[o, j]
-    total = 0.0
-    for s in range(wrenches.shape[0]):
-        total += wrenches[s, STORED]
-    kept_stored[k] = total
+    kept_stored[k] = _stored(wrenches)
     for p in range(works.size):
         kept_works[k, p] = works[p]
-
-
-@njit(error_model="numpy", parallel=True, nogil=True)
-def advance(body, wheels, stations, outlines, pieces, task, progress, record, allowed, status):
-    """Take every running run on, on all cores; each in its own order of operations."""
-    for b in numba.prange(status.size):
-        if status[b] == RUNNING:
-            status[b] = advance_run(
-                body[b], wheels[b], stations[b], outlines[b], pieces[b], task.drive_kind, task.stage_kind, task.pieces[b],
-                task.samples, task.method, task.stages, task.order, task.control, task.weights[b],
-                progress.y[b], progress.clock[b], progress.counters[b], progress.works[b], progress.places[b],
-                progress.turns[b], progress.acting[b], progress.touching[b],
-                record.states[b], record.rates[b], record.motors[b], record.touches[b], record.stored[b],
-                record.works[b], record.events[b], allowed,
-            )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from spheredrive.dynamics.compliant.station import GAP, NORMAL, TANGENTIAL
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics import forward, inverse
 from spheredrive.motion import Motion, Series
+from spheredrive.simulation.compliant import engine
 from spheredrive.simulation.compliant.methods import METHODS, Method
 from spheredrive.simulation.compliant.seat import instant, seat
 from spheredrive.simulation.inputs import inputs_of
@@ -29,9 +31,16 @@ FIRST_EVENTS = 512
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How a compliant run is integrated: error of a step as a length (m), the longest step (s), the method's name."""
+    """How a compliant run is integrated.
+
+    length          error of a step as a length, m; of speeds over 10 ms or the step
+    ledger          how far the energy ledger of a step may be off, as a share of the energy that moves in it
+    largest_step, shortest_step   s
+    method          "rodas4" or "rodas3"
+    """
 
     length: float = 1e-9
+    ledger: float = 1e-3
     largest_step: float = 0.01
     shortest_step: float = 1e-13
     method: str = "rodas4"
@@ -214,15 +223,7 @@ class _Arrays:
         self.samples = np.arange(last + 1) / first.sample_rate
         self.duration = first.duration
         self.method = METHODS[accuracy.method]
-        self.control = np.array([accuracy.largest_step, accuracy.shortest_step, max(1e-13, 1e-3 * accuracy.length)])
-        self.body, self.wheels, self.stations, self.outlines = (
-            np.array([getattr(m, name) for m in self.machines]) for name in ("body", "wheels", "stations", "outlines")
-        )
-        width = max(m.pieces.shape[1] for m in self.machines)
-        rows = max(m.pieces.shape[0] for m in self.machines)
-        self.pieces = np.zeros((len(designs), rows, width))
-        for table, m in zip(self.pieces, self.machines, strict=True):
-            table[: m.pieces.shape[0], : m.pieces.shape[1]] = m.pieces
+        self.control = np.array([_control(m, accuracy) for m in self.machines])
         count, size = len(designs), self.machines[0].state_size
         n, m, q = len(self.machines[0].wheels), len(self.machines[0].stations), len(self.machines[0].outlines)
         k = len(self.samples)
@@ -246,8 +247,6 @@ class _Arrays:
 
     def _start(self, b: int, design: Design, motion: Motion, start) -> np.ndarray:
         """The static seat, or where the motion puts the centre; the sphere turning as the nominal Jacobian has it."""
-        from spheredrive.simulation.compliant.engine import settle
-
         m = self.machines[b]
         y = np.zeros(m.state_size)
         y[at.QUATERNION : at.QUATERNION + 4] = np.array(motion.orientation) / np.linalg.norm(motion.orientation)
@@ -258,7 +257,7 @@ class _Arrays:
             y = seat(m, y, self.places[b], self.turns[b])
         else:
             y[at.CENTRE : at.CENTRE + 3] = motion.centre_displacement
-            settle(y, len(m.wheels), m.stations, m.outlines, m.pieces, self.places[b], self.turns[b])
+            engine.settle(y, len(m.wheels), m.stations, m.outlines, m.pieces, self.places[b], self.turns[b])
         y[at.CENTRE_VELOCITY : at.CENTRE_VELOCITY + 3] = motion.centre_velocity or (0.0, 0.0, 0.0)
         if motion.kind == "wheel-speed":
             speed = np.array(motion.series.at(0.0))
@@ -275,27 +274,33 @@ class _Arrays:
         return y
 
     def advance(self, watch) -> None:
-        from spheredrive.simulation.compliant import engine
+        """Take all runs to their ends, on as many threads as there are cores; each goes its way alone."""
+        from concurrent.futures import ThreadPoolExecutor
 
-        steps = STEPS_AT_ONCE
-        task = engine.Task(
-            self.drive_kind, self.stage_kind, self.inputs, self.samples, packed(self.method), len(self.method.alpha),
-            self.method.order, self.control, self.weights,
+        running = list(range(len(self.status)))
+        threads = min(len(running), os.cpu_count() or 1)
+        with ThreadPoolExecutor(threads) as pool:
+            while running:
+                # A thread costs more than a short run.
+                statuses = (map if threads == 1 else pool.map)(self._step, running)
+                for b, status in zip(running, statuses, strict=True):
+                    self.status[b] = status
+                full = self.status == engine.EVENTS_FULL
+                if full.any():
+                    self.events = np.concatenate([self.events, np.zeros_like(self.events)], axis=1)
+                    self.status[full] = engine.RUNNING
+                running = list(np.flatnonzero(self.status == engine.RUNNING))
+                if watch is not None:
+                    watch(float(np.mean(self.clock[:, 0]) / self.duration))
+
+    def _step(self, b: int) -> int:
+        m = self.machines[b]
+        return engine.advance(
+            m.body, m.wheels, m.stations, m.outlines, m.pieces, self.drive_kind, self.stage_kind, self.inputs[b], self.samples,
+            packed(self.method), len(self.method.alpha), self.method.order, self.control[b], self.weights[b],
+            self.y[b], self.clock[b], self.counters[b], self.works[b], self.places[b], self.turns[b], self.acting[b],
+            self.touching[b], *(kept[b] for kept in self.kept), self.events[b], STEPS_AT_ONCE,
         )  # fmt: skip
-        progress = engine.Progress(
-            self.y, self.clock, self.counters, self.works, self.places, self.turns, self.acting, self.touching
-        )
-        while (self.status == engine.RUNNING).any():
-            record = engine.Record(*self.kept, self.events)
-            engine.advance(
-                self.body, self.wheels, self.stations, self.outlines, self.pieces, task, progress, record, steps, self.status
-            )
-            full = self.status == engine.EVENTS_FULL
-            if full.any():
-                self.events = np.concatenate([self.events, np.zeros_like(self.events)], axis=1)
-                self.status[full] = engine.RUNNING
-            if watch is not None:
-                watch(float(np.mean(self.clock[:, 0]) / self.duration))
 
     def run(self, b: int) -> CompliantRun:
         done = int(self.counters[b, 0])
@@ -331,6 +336,14 @@ def _drive_kind(design: Design, motion: Motion) -> int:
     if motion.kind == "wheel-torque":
         return at.TORQUE
     return at.LOOP if design.motor.proportional_gain or design.motor.integral_gain else at.SPEED
+
+
+def _control(m: Machine, accuracy: Accuracy) -> list[float]:
+    """Limits of a run's steps, as ``engine.advance`` takes them."""
+    load = m.body[at.WEIGHT : at.WEIGHT + 3] + m.body[at.CLOSURE_FORCE : at.CLOSURE_FORCE + 3]
+    nothing = accuracy.length * max(float(np.linalg.norm(load)), 1e-3)
+    landed = max(1e-13, 1e-3 * accuracy.length)
+    return [accuracy.largest_step, accuracy.shortest_step, landed, accuracy.ledger, nothing]
 
 
 def _weights(m: Machine, design: Design, length: float) -> np.ndarray:

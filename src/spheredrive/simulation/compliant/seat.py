@@ -8,14 +8,17 @@ import numpy as np
 
 from spheredrive.dynamics.compliant import layout as at
 from spheredrive.dynamics.compliant.instant import rates
-from spheredrive.dynamics.compliant.station import ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
+from spheredrive.dynamics.compliant.station import GAP, ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
 from spheredrive.errors import SpheredriveError
+from spheredrive.simulation.compliant.engine import settle
 
 if TYPE_CHECKING:
     from spheredrive.dynamics.compliant.machine import Machine
 
 # Newton steps, and the force (as a share of what presses the sphere) that may be left over.
 STEPS, LEFT_OVER = 200, 1e-12
+# Looks at the outlines before Newton's method.
+APPROACHES = 8
 # A direction in which the seat is this much softer than in its stiffest is not held.
 SOFT = 1e-9
 
@@ -57,8 +60,6 @@ def seat(machine: Machine, y: np.ndarray, places, turns) -> np.ndarray:
     ``SpheredriveError`` where nothing presses the sphere on its wheels, where what presses it pushes it off them, or where
     some direction is not held. Friction and the sphere's orientation play no part: at rest friction is zero.
     """
-    from spheredrive.simulation.compliant.engine import settle
-
     y = y.copy()
     y[at.CENTRE_VELOCITY : at.OMEGA + 3] = 0.0
     n, m = len(machine.wheels), len(machine.stations)
@@ -68,7 +69,7 @@ def seat(machine: Machine, y: np.ndarray, places, turns) -> np.ndarray:
     size = float(np.linalg.norm(load))
     normals = machine.stations[:, at.N_HAT : at.N_HAT + 3]
     free = np.flatnonzero(machine.stations[:, at.MOUNT_MASS] > 0)
-    y[at.CENTRE : at.CENTRE + 3] = _pressed_in(machine, normals, load, size)
+    y[at.CENTRE : at.CENTRE + 3] = _pressed_in(machine, y, places, turns, normals, load, size)
 
     def residual(y):
         settle(y, n, machine.stations, machine.outlines, machine.pieces, places, turns)
@@ -129,15 +130,25 @@ def _require_seat(machine: Machine, force, now: Instant, size: float, free) -> N
         )
 
 
-def _pressed_in(machine: Machine, normals, load, size: float) -> np.ndarray:
-    """A first guess of c: every wheel pressed in by its share of the load."""
+def _pressed_in(machine: Machine, y, places, turns, normals, load, size: float) -> np.ndarray:
+    """A first guess of c: every wheel that carries load pressed in by its share of it."""
     from scipy.optimize import nnls
 
     shares, _ = nnls(normals.T, -load) if size else (np.zeros(len(normals)), 0.0)
-    shares = np.maximum(shares, max(0.1 * size / len(normals), 1e-9))
+    held = shares > 1e-9 * size if size else np.ones(len(normals), bool)
+    least = max(0.1 * size / len(normals), 1e-9)
     power = np.where(machine.stations[:, at.HERTZIAN] > 0, 2 / 3, 1.0)
-    depth = (shares / machine.stations[:, at.STIFFNESS]) ** power
-    return np.linalg.lstsq(normals, -depth, rcond=None)[0]
+    depth = (np.maximum(shares, least) / machine.stations[:, at.STIFFNESS]) ** power
+    y = y.copy()
+    y[at.CENTRE : at.CENTRE + 3] = 0.0
+    begins, counts = (machine.stations[:, column].astype(int) for column in (at.FIRST_OUTLINE, at.OUTLINE_COUNT))
+    for _ in range(APPROACHES):
+        # The outlines stand below their tops: go where they are. A far roller says less than its gap, so none is passed.
+        settle(y, len(machine.wheels), machine.stations, machine.outlines, machine.pieces, places, turns)
+        gap = instant(machine, y, places, turns).touches[:, GAP]
+        gaps = np.array([gap[begin : begin + count].min() for begin, count in zip(begins, counts, strict=True)])
+        y[at.CENTRE : at.CENTRE + 3] += np.linalg.lstsq(normals[held], -(gaps + depth)[held], rcond=None)[0]
+    return y[at.CENTRE : at.CENTRE + 3]
 
 
 def _stiffness(machine: Machine, now: Instant, free) -> np.ndarray:

@@ -85,7 +85,7 @@ def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, whee
 @njit(error_model="numpy")
 def solve_stage(
     y, r, k, gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, K,
-    H, to_own, from_own, own, b, x, b_own, z,
+    H, by_turn, to_own, from_own, own, b, x, b_own, z,
 ):  # fmt: skip
     """k of (1/(γh) − J) k = r, by ``arrow.solve``."""
     n, m = wheels.shape[0], stations.shape[0]
@@ -103,6 +103,12 @@ def solve_stage(
         b[j] = mass * whole[j] + about[j] - gh * pulled[j]
         b[3 + j] = turned[j] + lag[j]
         b[6 + j] = body[MOVING_MASS] * r_l[j] + mass * r_v[j] + about[j]
+    turn = _turn_by_right_side(y, r, gh)
+    for j in range(3):
+        pushed = by_turn[j, 0] * turn[0] + by_turn[j, 1] * turn[1] + by_turn[j, 2] * turn[2]
+        b[j] += pushed
+        b[3 + j] += by_turn[3 + j, 0] * turn[0] + by_turn[3 + j, 1] * turn[1] + by_turn[3 + j, 2] * turn[2]
+        b[6 + j] += pushed
     r_c = vector(r, CENTRE)
     for i in range(n):
         at = WHEELS + WHEEL_STATES * i
@@ -209,6 +215,27 @@ def solve_stage(
 
 
 @njit(error_model="numpy", forceinline=True)
+def _turn_by_right_side(y, r, gh):
+    """The turn k_θ = 2 vec(k_q∘q*) that the quaternion's own right side makes, whatever k_Ω: of b = r_q∘q*."""
+    Omega, q, v = vector(y, OMEGA), y[QUATERNION], vector(y, QUATERNION + 1)
+    r_w, r_v = r[QUATERNION], vector(r, QUATERNION + 1)
+    f = 1.0 / gh
+    share = 2.0 / (f * f + 0.25 * dot(Omega, Omega))
+    along, whirl = r_w * q + dot(r_v, v), cross(r_v, v)
+    b = (
+        q * r_v[0] - r_w * v[0] - whirl[0],
+        q * r_v[1] - r_w * v[1] - whirl[1],
+        q * r_v[2] - r_w * v[2] - whirl[2],
+    )
+    side = cross(Omega, b)
+    return (
+        share * (f * b[0] + 0.5 * (along * Omega[0] + side[0])),
+        share * (f * b[1] + 0.5 * (along * Omega[1] + side[1])),
+        share * (f * b[2] + 0.5 * (along * Omega[2] + side[2])),
+    )
+
+
+@njit(error_model="numpy", forceinline=True)
 def _quaternion_stage(y, r, k, k_O, gh):
     """k_q of (1/(γh) − ½ [Ω∘]) k_q = r_q + ½ k_Ω∘q, as [Ω∘]² = −|Ω|²."""
     Omega, q = vector(y, OMEGA), (y[QUATERNION], y[QUATERNION + 1], y[QUATERNION + 2], y[QUATERNION + 3])
@@ -225,7 +252,7 @@ def _quaternion_stage(y, r, k, k_O, gh):
 def trial(
     y, f0, h, drive, drive_slope, stage_input, stage_slope, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
-    rollers, K, D, vectors, ks, H, frame, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors, power,
+    rollers, K, D, vectors, ks, H, frame, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors, power,
     spare_rollers, weights, y_new,
 ):  # fmt: skip
     """A step of length ``h`` from ``y``, where ``f0`` and the Jacobian K, D stand, into ``y_new``; its error over tolerance.
@@ -244,7 +271,25 @@ def trial(
         _, limited[i] = motor_torque(wheels, i, drive_kind, drive[i], y[at + SPEED_OF_WHEEL], y[at + LOOP_ANGLE])
     I, first = mass_frame(y, body)
     fine = assemble(
-        y, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, first, K, D, H, to_own, from_own, own, frame
+        y,
+        f0,
+        gh,
+        body,
+        wheels,
+        stations,
+        drive_kind,
+        stage_kind,
+        limited,
+        I,
+        first,
+        K,
+        D,
+        H,
+        to_own,
+        from_own,
+        own,
+        frame,
+        by_turn,
     )
     if not fine:
         return math.inf
@@ -277,7 +322,7 @@ def trial(
             r[i] = total
         solve_stage(
             y, r, ks[s], gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, K,
-            H, to_own, from_own, own, b, x, b_own, z,
+            H, by_turn, to_own, from_own, own, b, x, b_own, z,
         )  # fmt: skip
     worst = 0.0
     last = 1 + stages
