@@ -1,5 +1,6 @@
 """The report: what is on the page, that nothing else gets onto it, and that figures show where things are."""
 
+import html
 import math
 import re
 
@@ -37,6 +38,7 @@ from spheredrive.report.figures.style import house_style, svg_text
 from spheredrive.report.figures.thinning import thinned
 from spheredrive.report.tables import shown_quantity, sizing_table
 from spheredrive.report.vibration import mean_speeds
+from spheredrive.scene.page import script_hash
 from spheredrive.simulation.overview import overview
 from spheredrive.simulation.rolling_run import run_rolling
 from spheredrive.vibration.assessment.assess import assess
@@ -74,18 +76,30 @@ def atlas_page():
     return render_report(ring(dual_race(), name="Atlas"), table_2_1())
 
 
+def without_scene(page: str) -> tuple[str, str]:
+    """The page without its framed scene, and the scene as the frame's own page."""
+    (frame,) = re.findall(r'<iframe sandbox="allow-scripts" [^>]*></iframe>', page)
+    return page.replace(frame, ""), html.unescape(re.search(r'srcdoc="([^"]*)"', frame).group(1))
+
+
 def test_render_report_page_asks_for_nothing_from_outside(atlas_page):
-    assert not re.search(r"https?:|//[a-z]|\bsrc\s*=|@import|<link|<script|<img|<image|<iframe|xmlns", atlas_page)
+    outside = r"https?:|//[a-z]|\bsrc\s*=|@import|<link|<script|<img|<image|xmlns"
+    page, scene = without_scene(atlas_page)
+    assert not re.search(outside + "|<iframe", page)
+    # The scene may run its one script, which both pages name by its hash, and asks for nothing either.
+    assert not re.search(r"https?:|\bsrc\s*=|@import|<link|<img|<iframe|fetch\(|XMLHttpRequest|WebSocket", scene)
+    assert script_hash() in page and script_hash() in scene and scene.count("<script") == 2
     # What is referred to is a part of the same page, and is there once.
-    targets = re.findall(r'(?:href="|url\()#([^")]+)', atlas_page)
-    names = re.findall(r'\bid="([^"]*)"', atlas_page)
+    targets = re.findall(r'(?:href="|url\()#([^")]+)', page)
+    names = re.findall(r'\bid="([^"]*)"', page)
     assert targets and set(targets) <= set(names)
     assert len(names) == len(set(names))
 
 
 def test_render_report_dual_race_motion_has_every_figure_within_size(atlas_page):
-    assert atlas_page.count('role="img"') == 9
-    assert atlas_page.count("aria-label=") == 9
+    page, _ = without_scene(atlas_page)
+    assert page.count('role="img"') == 9
+    assert page.count("aria-label=") == 9
     assert len(atlas_page.encode()) < 1_500_000
     assert "spheredrive report DESIGN.toml MOTION.toml -o report.html" in atlas_page
 
@@ -94,8 +108,10 @@ def test_render_report_hostile_names_are_escaped():
     design = ring(dual_race(HOSTILE), name=HOSTILE)
     object.__setattr__(design, "source", f"name = '{HOSTILE}'\ud800")
     page = render_report(design)
+    page, scene = without_scene(page)
     assert "<script" not in page and "\x00" not in page and "\x1b" not in page
     assert page.count("&lt;script&gt;") >= 5
+    assert "alert(" not in re.sub(r"&lt;script.*?&lt;/script&gt;", "", scene) and "\x1b" not in scene
     page.encode()
 
 

@@ -8,6 +8,7 @@ from importlib.resources import files
 from typing import NamedTuple
 
 from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
 import spheredrive
 from spheredrive import kinematics
@@ -37,8 +38,10 @@ from spheredrive.report.figures.race_error import race_error_caption, race_error
 from spheredrive.report.figures.sphere_motion import sphere_motion_caption, sphere_motion_figure
 from spheredrive.report.parts import Part, drawn, readable
 from spheredrive.report.vibration import assessed, mean_speeds, vibration_parts
+from spheredrive.scene.page import scene_frame, scene_html, script_hash
+from spheredrive.simulation.dataset import labelled
 from spheredrive.simulation.overview import Overview, overview
-from spheredrive.simulation.rolling_run import RollingRun, run_rolling
+from spheredrive.simulation.rolling_run import RollingRun, Tolerance, run_rolling
 from spheredrive.vibration.assessment.assess import Assessment
 
 # A page shows no more than this many samples of a motion; every change of race is worked out whatever the rate.
@@ -90,9 +93,28 @@ def page(design: Design, motion: Motion | None = None, speeds=None) -> Page:
         assumptions=tables.assumptions(design),
         quality=tables.quality_rows(result),
         matrices=tables.matrices(result),
+        scene=_scene(design, dynamics, motion, speeds),
+        script_hash=script_hash(),
         version=spheredrive.__version__,
     )
     return Page(html, works)
+
+
+class Scene(NamedTuple):
+    """The machine in motion, as an element of the page, and what it shows."""
+
+    frame: Markup
+    caption: str
+
+
+def _scene(design: Design, dynamics: Dynamics | str | None, motion: Motion | None, speeds) -> Scene:
+    """The machine along its run, at its speeds, or with its wheels at 1 rad/s."""
+    if isinstance(dynamics, Dynamics) and motion is not None:
+        html = scene_html(design, labelled(design, motion, dynamics.run, Tolerance()))
+        return Scene(Markup(scene_frame(readable(html), "The machine in motion")), "The machine along the motion.")
+    html = scene_html(design, wheel_speed=speeds)
+    which = "at 1 rad/s each" if speeds is None else "at the given speeds"
+    return Scene(Markup(scene_frame(readable(html), "The machine in motion")), f"The machine with its wheels turning {which}.")
 
 
 def _verdict(result: Check, moved: Overview | None, vibration: Assessment | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib.resources import files
 from typing import NamedTuple
 
@@ -10,9 +11,12 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 import spheredrive
+from spheredrive.scene.page import scene_frame, scene_html, script_hash
+from spheredrive.simulation.simulate import simulate
 from spheredrive.studies.reproduce.assumptions import ASSUMPTIONS
 from spheredrive.studies.reproduce.claims import chapter
 from spheredrive.studies.reproduce.errata import ERRATA, number
+from spheredrive.studies.reproduce.machines import shipped, table_2_1
 from spheredrive.studies.reproduce.table import Row
 
 CHAPTERS = {
@@ -49,6 +53,7 @@ class Chapter(NamedTuple):
     title: str
     rows: list[Row]
     figures: list[Shown]
+    scene: Markup = Markup()
 
 
 def page(rows: Sequence[Row], figures: Sequence[Shown], studies: Sequence[Shown]) -> str:
@@ -62,6 +67,7 @@ def page(rows: Sequence[Row], figures: Sequence[Shown], studies: Sequence[Shown]
             title,
             [row for row in rows if chapter(row) == n],
             [figure for figure in figures if figure.key.startswith(f"fig-{n}.")],
+            _atlas_in_motion() if n == 2 else Markup(),
         )
         for n, title in CHAPTERS.items()
     ]
@@ -75,8 +81,16 @@ def page(rows: Sequence[Row], figures: Sequence[Shown], studies: Sequence[Shown]
         differ=sum(not row.agrees for row in rows),
         open=sum(bool(row.open) for row in rows),
         figure_of=lambda row: next((key for key in sorted(drawn, key=len, reverse=True) if _belongs(row.id, key)), ""),
+        script_hash=script_hash(),
         version=spheredrive.__version__,
     )
+
+
+def _atlas_in_motion() -> Markup:
+    """The dual-race Atlas along Table 2.1, races changing as it turns."""
+    design = shipped("atlas-dual-race")
+    run = simulate(design, replace(table_2_1(), sample_rate=50.0))
+    return Markup(scene_frame(scene_html(design, run), "The dual-race Atlas along Table 2.1"))
 
 
 def _belongs(row: str, figure: str) -> bool:

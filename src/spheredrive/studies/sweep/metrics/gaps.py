@@ -9,7 +9,7 @@ import numpy as np
 # How close the distance is found, in radii, and how many steps that may take.
 CLOSE, STEPS = 1e-9, 4000
 # Points around a rim to begin with, points of each closer look, by how much it is closer, and how many there are.
-AROUND, LOOK, CLOSER, LOOKS = 64, 9, 4.0, 22
+AROUND, LOOK, CLOSER, LOOKS = 64, 17, 8.0, 10
 
 
 class Cylinders(NamedTuple):

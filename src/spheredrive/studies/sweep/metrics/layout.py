@@ -39,7 +39,7 @@ def measure(machines: Machines, conditions: Conditions, names: tuple[str, ...]) 
         if "clearance" in names:
             found["clearance"] = nowhere(len(c), ALONE) if len(bodies) < 2 else known(_clearance(bodies))
         if "opening" in names:
-            found["opening"] = known(np.min([free_cone(body) for body in bodies], axis=0))
+            found["opening"] = known(free_cone(_joined(bodies)).reshape(len(bodies), -1).min(axis=0))
     if "mass" in names:
         found["mass"] = _mass(c)
     if "price" in names:
@@ -93,6 +93,10 @@ def half_width(wheel: Wheel, sphere_radius: float) -> float:
     return found
 
 
+def _joined(bodies: list[Cylinders]) -> Cylinders:
+    return Cylinders(*(np.concatenate(arrays) for arrays in zip(*bodies, strict=True)))
+
+
 def _clearance(bodies: list[Cylinders]) -> np.ndarray:
     """Least gap of any two, (b,); pairs that are surely farther apart than some other pair are not looked at."""
     b, m = len(bodies[0].radius), len(bodies)
@@ -102,8 +106,8 @@ def _clearance(bodies: list[Cylinders]) -> np.ndarray:
     apart = np.linalg.norm(centre[first] - centre[second], axis=2)
     least = apart - ball[first] - ball[second]
     pair, row = np.nonzero(least <= apart.min(axis=0))
-    whole = Cylinders(*(np.stack(arrays) for arrays in zip(*bodies, strict=True)))
-    gap = cylinder_gap(whole.take((first[pair], row)), whole.take((second[pair], row)))
+    whole = _joined(bodies)
+    gap = cylinder_gap(whole.take(first[pair] * b + row), whole.take(second[pair] * b + row))
     found = np.full(b, np.inf)
     np.minimum.at(found, row, gap)
     return found
