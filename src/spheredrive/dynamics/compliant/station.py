@@ -2,8 +2,8 @@
 
 A contact acts through three rows: along Ĝ (normal force N), û (friction T) and f̂ (E, a roller's drag). A row j turns the
 velocities (ḋ, Ω, ω) into the contact's own, and jᵀ turns its force into the wrench (F, M on the sphere, τ on the wheel), so
-that power balances for every state. The derivatives are exact but for terms of the size of a ring's slope squared: a solver of
-the Rosenbrock kind keeps its order by them. Source: model.md section 5c.
+that power balances for every state. The derivatives are exact: a method of Rosenbrock's kind keeps its order by them alone.
+Source: model.md section 5c.
 """
 
 from __future__ import annotations
@@ -87,8 +87,10 @@ def station_forces(
     """
     R, creep, turn_speed = body[RADIUS], body[CREEP_SPEED], body[TURN_SPEED]
     mu, inertia, bearing = stations[st, FRICTION], wheels[i, ROLLER_INERTIA], wheels[i, ROLLER_DRAG]
-    for j in range(WRENCH_SIZE):
-        wrenches[st, j] = 0.0
+    F_all, M_all, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    slip_heat = damping_heat = other_heat = stored = whole = 0.0
+    stiffness, damping, dissipation = stations[st, STIFFNESS], stations[st, DAMPING], stations[st, DISSIPATION]
+    hertzian, rolling_arm, spin_arm = stations[st, HERTZIAN] > 0.0, stations[st, ROLLING_ARM], stations[st, SPIN_ARM]
     if derive:
         for r in range(7):
             for j in range(7):
@@ -132,14 +134,7 @@ def station_forces(
                 d_rate[0] + omega * point[1], d_rate[1] - omega * point[0], d_rate[2],
             )  # fmt: skip
             gap_rate = steep * dot(G, U)
-            N, N_depth, N_rate, elastic = normal_force(
-                -gap,
-                -gap_rate,
-                stations[st, STIFFNESS],
-                stations[st, DAMPING],
-                stations[st, DISSIPATION],
-                stations[st, HERTZIAN] > 0.0,
-            )
+            N, N_depth, N_rate, elastic = normal_force(-gap, -gap_rate, stiffness, damping, dissipation, hertzian)
             pressed = N * steep
             s, t = dot(u, U) + arm * dot(f, Omega), dot(f, U) - arm * dot(u, Omega)
             lever = touch[16]
@@ -164,18 +159,14 @@ def station_forces(
                 N * steep * G[2] + T * u[2] + E * f[2],
             )  # fmt: skip
             M = (arm * (T * f[0] - E * u[0]), arm * (T * f[1] - E * u[1]), arm * (T * f[2] - E * u[2]))
-            wrenches[st, 0] += F[0]
-            wrenches[st, 1] += F[1]
-            wrenches[st, 2] += F[2]
-            wrenches[st, 3] += M[0]
-            wrenches[st, 4] += M[1]
-            wrenches[st, 5] += M[2]
-            wrenches[st, WHEEL_TORQUE] -= _about_axis(point, F)
-            wrenches[st, SLIP_HEAT] -= T * s + (E * (t - lever * spin) if turning else 0.0)
-            wrenches[st, DAMPING_HEAT] += (N - elastic) * -gap_rate
-            wrenches[st, OTHER_HEAT] += bearing * spin * spin if turning else -E * t
-            wrenches[st, STORED] += elastic * -gap * (0.4 if stations[st, HERTZIAN] > 0.0 else 0.5)
-            wrenches[st, PRESSED] += pressed
+            F_all = (F_all[0] + F[0], F_all[1] + F[1], F_all[2] + F[2])
+            M_all = (M_all[0] + M[0], M_all[1] + M[1], M_all[2] + M[2])
+            torque -= _about_axis(point, F)
+            slip_heat -= T * s + (E * (t - lever * spin) if turning else 0.0)
+            damping_heat += (N - elastic) * -gap_rate
+            other_heat += bearing * spin * spin if turning else -E * t
+            stored += elastic * -gap * (0.4 if hertzian else 0.5)
+            whole += pressed
             if pressed > touches[o, LARGEST]:
                 touches[o, LARGEST], touches[o, SLIP] = pressed, s
             touches[o, NORMAL] += pressed
@@ -184,14 +175,21 @@ def station_forces(
             if derive:
                 _derive(
                     st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
-                    T_N, E_N, T_s, T_t, E_s, E_t, F, turning, inertia, bearing, gh, rollers,
+                    T_N, E_N, T_s, T_t, E_s, E_t, t, spin, F, turning, inertia, bearing, gh, rollers,
                     index, K, D,
                 )  # fmt: skip
-            if stations[st, ROLLING_ARM] > 0.0 or stations[st, SPIN_ARM] > 0.0:
-                _resist(
-                    st, G, u, f, pressed, mu, stations[st, ROLLING_ARM], stations[st, SPIN_ARM], turn_speed, Omega, omega,
-                    steep * N_rate, steep * N_depth, d, touch, derive, wrenches, K, D,
+            if rolling_arm > 0.0 or spin_arm > 0.0:
+                m, heat = _resist(
+                    st, G, u, f, pressed, mu, rolling_arm, spin_arm, turn_speed, Omega, omega,
+                    steep * N_rate, steep * N_depth, d, touch, derive, K, D,
                 )  # fmt: skip
+                M_all = (M_all[0] + m[0], M_all[1] + m[1], M_all[2] + m[2])
+                torque -= m[2]
+                other_heat += heat
+    wrenches[st, 0], wrenches[st, 1], wrenches[st, 2] = F_all
+    wrenches[st, 3], wrenches[st, 4], wrenches[st, 5] = M_all
+    wrenches[st, WHEEL_TORQUE], wrenches[st, SLIP_HEAT], wrenches[st, DAMPING_HEAT] = torque, slip_heat, damping_heat
+    wrenches[st, OTHER_HEAT], wrenches[st, STORED], wrenches[st, PRESSED] = other_heat, stored, whole
     if derive:
         _by_angle(st, wrenches, d, d_rate, Omega, K, D)
 
@@ -199,7 +197,7 @@ def station_forces(
 @njit(error_model="numpy")
 def _derive(
     st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
-    T_N, E_N, T_s, T_t, E_s, E_t, F, turning, inertia, bearing, gh, rollers, index, K, D,
+    T_N, E_N, T_s, T_t, E_s, E_t, t, spin, F, turning, inertia, bearing, gh, rollers, index, K, D,
 ):  # fmt: skip
     """Add the derivatives of one contact's wrench to K (by d) and D (by the velocities)."""
     kappa_u, kappa_f, kappa_x, lever, steep = touch[10], touch[11], touch[12], touch[16], touch[17]
@@ -229,8 +227,9 @@ def _derive(
     for b in range(3):
         # A displacement along e turns the frame: dG = p u + q f, du = −p G + τ f, df = −q G − τ u.
         e = G if b == 0 else (u if b == 1 else f)
-        p = 0.0 if b == 0 else (kappa_u if b == 1 else kappa_x)
-        q = 0.0 if b == 0 else (kappa_x if b == 1 else kappa_f)
+        p = touch[19] if b == 0 else (kappa_u if b == 1 else kappa_x)
+        q = touch[20] if b == 0 else (kappa_x if b == 1 else kappa_f)
+        steeper = touch[21] if b == 0 else steep * (touch[19] if b == 1 else touch[20])
         tau, arm_d = touch[13 + b], 0.5 * steep if b == 0 else 0.0
         bend = (p * u[0] + q * f[0], p * u[1] + q * f[1], p * u[2] + q * f[2])
         u_d = (tau * f[0] - p * G[0], tau * f[1] - p * G[1], tau * f[2] - p * G[2])
@@ -238,16 +237,27 @@ def _derive(
         move = (
             e[0] - arm_d * G[0] - arm * bend[0], e[1] - arm_d * G[1] - arm * bend[1], e[2] - arm_d * G[2] - arm * bend[2],
         )  # fmt: skip
-        dN = -N_rate * steep * (dot(bend, across) - omega * _about_axis(e, G)) - (N_depth * steep if b == 0 else 0.0)
+        dN = -N_rate * (steeper * dot(G, across) + steep * (dot(bend, across) - omega * _about_axis(e, G)))
+        if b == 0:
+            dN -= N_depth * steep
         ds = dot(u_d, U) - omega * _about_axis(move, u) + arm_d * dot(f, Omega) + arm * dot(f_d, Omega)
         dt = dot(f_d, U) - omega * _about_axis(move, f) - arm_d * dot(u, Omega) - arm * dot(u_d, Omega)
-        E_raw = E_N * grow * dN + E_s * ds + E_t * dt
-        dT = T_N * grow * dN + T_s * ds + T_t * dt + share_T * E_raw
-        dE = share_E * E_raw
+        # The lever of the contact about the roller's axis.
+        dl = touch[18] if b == 1 else 0.0
+        if turning:
+            dt -= spin * dl
+        pressed_d = grow * dN + N * steeper
+        dE = E_N * pressed_d + E_s * ds + E_t * dt
+        if not turning and lever > 0.0:
+            # The drag's resistance is c/lever².
+            dE -= 2.0 * t * E_t * dl / lever
+        E_row = dE + E * dl / lever if turning else 0.0
+        dT = T_N * pressed_d + T_s * ds + T_t * dt + share_T * E_row
+        dE += (share_E - 1.0) * E_row
         dF = (
-            steep * (dN * G[0] + N * bend[0]) + dT * u[0] + T * u_d[0] + dE * f[0] + E * f_d[0],
-            steep * (dN * G[1] + N * bend[1]) + dT * u[1] + T * u_d[1] + dE * f[1] + E * f_d[1],
-            steep * (dN * G[2] + N * bend[2]) + dT * u[2] + T * u_d[2] + dE * f[2] + E * f_d[2],
+            (steep * dN + N * steeper) * G[0] + steep * N * bend[0] + dT * u[0] + T * u_d[0] + dE * f[0] + E * f_d[0],
+            (steep * dN + N * steeper) * G[1] + steep * N * bend[1] + dT * u[1] + T * u_d[1] + dE * f[1] + E * f_d[1],
+            (steep * dN + N * steeper) * G[2] + steep * N * bend[2] + dT * u[2] + T * u_d[2] + dE * f[2] + E * f_d[2],
         )
         dM = (
             arm_d * (T * f[0] - E * u[0]) + arm * (dT * f[0] + T * f_d[0] - dE * u[0] - E * u_d[0]),
@@ -263,7 +273,7 @@ def _derive(
             if turning:
                 if b == 0:
                     rollers[index, E_ROW + 7 + c] = 0.0
-                rollers[index, E_ROW + 7 + c] += E_raw * e[c]
+                rollers[index, E_ROW + 7 + c] += E_row * e[c]
     if turning:
         rollers[index, LEVER], rollers[index, T_SPIN], rollers[index, E_SPIN] = lever, T_t, E_t
         rollers[index, HELD], rollers[index, ROLLER_STATION] = held, st
@@ -275,9 +285,10 @@ def _derive(
 
 @njit(error_model="numpy")
 def _resist(
-    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, touch, derive, wrenches, K, D
+    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, touch, derive, K, D
 ):  # fmt: skip
-    """Add rolling and spin resistance (``contact.resistance_moment``): moments on the sphere, their opposite on the wheel."""
+    """Moment of rolling and spin resistance on the sphere (``contact.resistance_moment``), and its heat; the wheel gets the
+    opposite."""
     w = (Omega[0], Omega[1], Omega[2] - omega)
     along = dot(w, G)
     flat = (w[0] - along * G[0], w[1] - along * G[1], w[2] - along * G[2])
@@ -285,10 +296,6 @@ def _resist(
     spin = math.sqrt(along * along + smooth * smooth)
     r, q = rolling / roll, mu * spinning * along / spin
     m = (-r * flat[0] - q * G[0], -r * flat[1] - q * G[1], -r * flat[2] - q * G[2])
-    for i in range(3):
-        wrenches[st, 3 + i] += pressed * m[i]
-    wrenches[st, WHEEL_TORQUE] -= pressed * m[2]
-    wrenches[st, OTHER_HEAT] -= pressed * dot(m, w)
     if derive:
         spin_slope = pressed * mu * spinning * smooth * smooth / (spin * spin * spin)
         for i in range(3):
@@ -325,6 +332,7 @@ def _resist(
             K[st, 6, j] += m[2] * N_depth * G[j]
             D[st, 6, j] += m[2] * N_rate * G[j]
         D[st, 6, 6] += m[2] * N_rate * turned
+    return (pressed * m[0], pressed * m[1], pressed * m[2]), -pressed * dot(m, w)
 
 
 @njit(error_model="numpy")

@@ -11,7 +11,8 @@ A touch is a tuple: gap; the normal Ĝ away from the wheel; û, the roller's axi
 holds; f̂ = û × Ĝ, along which it turns freely; how these turn with a displacement of the centre, dĜ = p û + q f̂,
 dû = −p Ĝ + τ f̂, by the curvatures κ_u, κ_f and κ_x of the gap, p = κ_u dd_u + κ_x dd_f, q = κ_x dd_u + κ_f dd_f, and the
 twist τ by its components along Ĝ, û and f̂; the lever of the contact point about the roller's own axis; the steepness |∇gap|,
-1 but on a ring.
+1 but on a ring; how the lever grows with a displacement along û; and, on a ring alone, p and q by a displacement along Ĝ, and
+Ĝ·H Ĝ of the gap's second derivative H, by which the steepness changes.
 """
 
 from __future__ import annotations
@@ -68,7 +69,30 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     w = math.sqrt(px * px + py * py + pz * pz)
     nearest = w - outlines[o, THICKEST] - R
     if not nearest < 0.0:
-        return (max(nearest, 1e-300), 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        return (
+            max(nearest, 1e-300),
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        )
     px, py, pz = px / w, py / w, pz / w
     kind, L = outlines[o, KIND], outlines[o, HALF_LENGTH]
     s = barrel_place(w, sigma, outlines[o, SECTION], a, S * S) if kind == BARREL else sigma
@@ -80,27 +104,28 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
             ell = math.sqrt(w * w + (sigma - s) * (sigma - s))
             n_w, n_s = w / ell, (sigma - s) / ell
             kappa = -bend / (ell * (w * w / (ell * ell * ell) - bend))
-            gap, lever = ell - rho - R, rho * n_w
+            gap, lever, growth = ell - rho - R, rho * n_w, kappa * n_s * (1.0 / (bend * n_w * n_w) - rho)
         else:
             n_w, n_s, kappa = 1.0, 0.0, 0.0
-            gap, lever = nearest, outlines[o, SECTION]
+            gap, lever, growth = nearest, outlines[o, SECTION], 0.0
     elif kind in (FLAT_ENDS, BARREL):
         across, beyond = w - outlines[o, EDGE_RADIUS], sigma - math.copysign(outlines[o, EDGE_PLACE], s)
         far = math.sqrt(across * across + beyond * beyond)
         n_w, n_s, kappa = across / far, beyond / far, 1.0 / far
-        gap, lever = far - R, outlines[o, EDGE_RADIUS]
+        gap, lever, growth = far - R, outlines[o, EDGE_RADIUS], 0.0
     else:
         beyond = sigma - math.copysign(L, s)
         far = math.sqrt(w * w + beyond * beyond)
         n_w, n_s, kappa = w / far, beyond / far, 1.0 / far
         gap, lever = far - outlines[o, SECTION] - R, outlines[o, SECTION] * n_w
+        growth = -outlines[o, SECTION] * n_s * kappa
     fx, fy, fz = Ay * pz - Az * py, Az * px - Ax * pz, Ax * py - Ay * px
     return (
         gap,
         n_w * px + n_s * Ax, n_w * py + n_s * Ay, n_w * pz + n_s * Az,
         n_w * Ax - n_s * px, n_w * Ay - n_s * py, n_w * Az - n_s * pz,
         fx, fy, fz,
-        kappa, n_w / w, 0.0, 0.0, 0.0, -n_s / w, lever, 1.0,
+        kappa, n_w / w, 0.0, 0.0, 0.0, -n_s / w, lever, 1.0, growth, 0.0, 0.0, 0.0,
     )  # fmt: skip
 
 
@@ -172,6 +197,14 @@ def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
         H_rr * u_r * f_r + H_tt * u_t * f_t + H_zz * u_z * f_z
         + H_rt * (u_r * f_t + u_t * f_r) + H_rz * (u_r * f_z + u_z * f_r) + H_tz * (u_t * f_z + u_z * f_t)
     ) / steep  # fmt: skip
+    HG_r = H_rr * G_r + H_rt * G_t + H_rz * G_z
+    HG_t = H_rt * G_r + H_tt * G_t + H_tz * G_z
+    HG_z = H_rz * G_r + H_tz * G_t + H_zz * G_z
+        H_rr * G_r + H_rt * G_t + H_rz * G_z,
+        H_rt * G_r + H_tt * G_t + H_tz * G_z,
+        H_rz * G_r + H_tz * G_t + H_zz * G_z,
+    )
+    sink_u, sink_f = (HG_r * u_r + HG_t * u_t + HG_z * u_z) / steep, (HG_r * f_r + HG_t * f_t + HG_z * f_z) / steep
     # û is the axis S ζ̂ + C ẑ laid into the tangent plane: it turns as ζ̂ does, and as the plane does.
     pace, lag = -S * f_r / (far * size), along / size
     return (
@@ -179,6 +212,6 @@ def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
         G_r * cosine - G_t * sine, G_r * sine + G_t * cosine, G_z,
         u_r * cosine - u_t * sine, u_r * sine + u_t * cosine, u_z,
         f_r * cosine - f_t * sine, f_r * sine + f_t * cosine, f_z,
-        kappa_u / steep, kappa_f / steep, kappa_x, pace * G_t, pace * u_t - lag * kappa_x, pace * f_t - lag * kappa_f / steep,
-        r_r, steep,
+        kappa_u / steep, kappa_f / steep, kappa_x, pace * G_t - lag * sink_f, pace * u_t - lag * kappa_x, pace * f_t - lag * kappa_f / steep,
+        r_r, steep, 0.0, sink_u, sink_f, HG_r * G_r + HG_t * G_t + HG_z * G_z,
     )  # fmt: skip

@@ -74,12 +74,33 @@ def mass_frame(y, body):
 
 @njit(error_model="numpy")
 def assemble(
-    y, f0, gh, body, wheels, stations, drive_kind, stage_kind, limited, I, first, K, D, H, to_own, from_own, own, frame, by_turn
+    y,
+    f0,
+    gh,
+    body,
+    wheels,
+    stations,
+    drive_kind,
+    stage_kind,
+    limited,
+    I,
+    first,
+    K,
+    D,
+    H,
+    to_own,
+    from_own,
+    own,
+    frame,
+    pushes,
+    by_turn,
 ):
     """Fill ``H`` (9, 9) with the inverse of the shared system, ``own``, ``to_own`` and ``from_own`` with the wheels' blocks.
 
     f0         the state's rate at the begin of the step
     I, first   what ``mass_frame`` gives
+    pushes     (m, 8, 5), filled with γh times what a station does to the sphere (force, moment), its wheel (torque) and its
+               mount when the centre, the mount and the wheel are displaced by (c, Δ, ϑ)
     by_turn    (6, 3), filled with the derivative of the sphere's rows, force less mass times acceleration, by a small turn
     limited    whether each motor stands at its limit
     Returns False where the system is singular.
@@ -128,6 +149,7 @@ def assemble(
                     frame[r, q] = D[s, r, q] + gh * K[s, r, q]
                     frame[r, 3 + q] = D[s, r, 3 + q]
                 frame[r, 6] = D[s, r, 6] + gh * K[s, r, 3]
+            _push_rows(s, gh, stations, K, pushes)
             for b in range(4):
                 # Blocks of the sphere by pairs (force or moment, velocity or turning), turned into the inertial frame.
                 r0, q0 = 3 * (b // 2), 3 * (b % 2)
@@ -174,6 +196,33 @@ def assemble(
                     total += B[r, p] * C[p, j]
                 H[r, j] -= total
     return invert(H, size)
+
+
+@njit(error_model="numpy")
+def _push_rows(s, gh, stations, K, pushes):
+    """Fill a station's ``pushes``: its K by displacements in the inertial frame, of all that it acts on."""
+    for j in range(5):
+        if j < 3:
+            a, b, c, d = gh * stations[s, j], gh * stations[s, 3 + j], gh * stations[s, 6 + j], 0.0
+        else:
+            a, b, c, d = (-gh if j == 3 else 0.0), 0.0, 0.0, (gh if j == 4 else 0.0)
+        f = (
+            a * K[s, 0, 0] + b * K[s, 0, 1] + c * K[s, 0, 2] + d * K[s, 0, 3],
+            a * K[s, 1, 0] + b * K[s, 1, 1] + c * K[s, 1, 2] + d * K[s, 1, 3],
+            a * K[s, 2, 0] + b * K[s, 2, 1] + c * K[s, 2, 2] + d * K[s, 2, 3],
+        )
+        force = out_of(stations, s, f[0], f[1], f[2])
+        moment = out_of(
+            stations,
+            s,
+            a * K[s, 3, 0] + b * K[s, 3, 1] + c * K[s, 3, 2] + d * K[s, 3, 3],
+            a * K[s, 4, 0] + b * K[s, 4, 1] + c * K[s, 4, 2] + d * K[s, 4, 3],
+            a * K[s, 5, 0] + b * K[s, 5, 1] + c * K[s, 5, 2] + d * K[s, 5, 3],
+        )
+        for r in range(3):
+            pushes[s, r, j], pushes[s, 3 + r, j] = force[r], moment[r]
+        pushes[s, 6, j] = a * K[s, 6, 0] + b * K[s, 6, 1] + c * K[s, 6, 2] + d * K[s, 6, 3]
+        pushes[s, 7, j] = -f[0]
 
 
 @njit(error_model="numpy")

@@ -188,7 +188,7 @@ def advance(
     f0, f1, y_new, y_mid = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
     vectors, ks = np.zeros((6, max(size, n))), np.zeros((stages, size))
     H, frame, b, x = np.zeros((SHARED, SHARED)), np.zeros((7, 7)), np.zeros(SHARED), np.zeros(SHARED)
-    by_turn = np.zeros((6, 3))
+    by_turn, pushes = np.zeros((6, 3)), np.zeros((m, 8, 5))
     to_own, from_own, own = np.zeros((n, SHARED, OWN)), np.zeros((n, OWN, SHARED)), np.zeros((n, OWN, OWN))
     b_own, z = np.zeros((n, OWN)), np.zeros((n, OWN))
     wrenches, touches, motors = np.zeros((m, WRENCH_SIZE)), np.zeros((q, TOUCH_SIZE)), np.zeros(n)
@@ -256,8 +256,8 @@ def advance(
             wrong = trial(
                 y, f0, h, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind,
                 body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
-                rollers, K, D, vectors, ks, H, frame, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors,
-                power, spare, weights, y_new,
+                rollers, K, D, vectors, ks, H, frame, pushes, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches,
+                touches, motors, power, spare, weights, y_new,
             )  # fmt: skip
             if not wrong <= 1.0:
                 break
@@ -294,11 +294,11 @@ def advance(
                 early, early_gap = h, gap
             # Aim a little behind the touch, so that the roller acts from the begin of the next step on.
             share = (early_gap + 0.5 * landed) / (early_gap - late_gap) if early_gap < 1e200 else 0.5
-            shorter = early + (late - early) * min(0.99, max(0.01, share))
-            if shorter < SHORTEST_LANDING:
+            nearer = early + (late - early) * min(0.99, max(0.01, share))
+            if nearer < SHORTEST_LANDING:
                 # The roller touches at once: let it act.
                 break
-            h, last, cut = shorter, False, True
+            h, last, cut = nearer, False, True
         if not wrong <= 1.0:
             factor = 0.9 * wrong ** (-1.0 / order)
             refused = True
@@ -329,8 +329,10 @@ def advance(
             h *= max(0.2, min(0.8, off**-0.25))
             clock[STEP], clock[REFUSED] = h, 1.0
             continue
-        if off > 0.0:
-            grown = min(grown, h * max(0.5, 0.9 * off**-0.25)) if not cut else grown
+        shorter = h * max(0.5, 0.9 * off**-0.25) if off > 0.0 and not cut else grown
+        # Rollers with inertia are eliminated with the length of the step to come.
+        unlike = turning > 0 and shorter < grown
+        grown = min(grown, shorter)
         if not (finite(y_new) and finite(f1)):
             status = NOT_FINITE
             break
@@ -384,7 +386,7 @@ def advance(
         # What has come to touch acts from now on, what has left acts no more.
         for o in range(q):
             acting[o] &= ~leaving[o]
-        fresh = cut or gap < 0.0
+        fresh = cut or gap < 0.0 or unlike
         if last:
             piece += 1
             fresh = True

@@ -84,7 +84,7 @@ def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, whee
 
 @njit(error_model="numpy")
 def solve_stage(
-    y, r, k, gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, K,
+    y, r, k, gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, pushes,
     H, by_turn, to_own, from_own, own, b, x, b_own, z,
 ):  # fmt: skip
     """k of (1/(γh) − J) k = r, by ``arrow.solve``."""
@@ -118,35 +118,26 @@ def solve_stage(
         start = int(wheels[i, FIRST_STATION])
         for s in range(start, start + int(wheels[i, STATION_COUNT])):
             p, to = 1 + s - start, at_stations + STATION_STATES * s
-            d = into(stations, s, r_c)
-            push = (d[0] - r[to + DEFLECTION], d[1], d[2], r[at + ANGLE])
-            force = (
-                gh * (K[s, 0, 0] * push[0] + K[s, 0, 1] * push[1] + K[s, 0, 2] * push[2] + K[s, 0, 3] * push[3]),
-                gh * (K[s, 1, 0] * push[0] + K[s, 1, 1] * push[1] + K[s, 1, 2] * push[2] + K[s, 1, 3] * push[3]),
-                gh * (K[s, 2, 0] * push[0] + K[s, 2, 1] * push[1] + K[s, 2, 2] * push[2] + K[s, 2, 3] * push[3]),
+            c0, c1, c2, c3, c4 = r_c[0], r_c[1], r_c[2], r[to + DEFLECTION], r[at + ANGLE]
+            for j in range(6):
+                b[j] += (
+                    pushes[s, j, 0] * c0 + pushes[s, j, 1] * c1 + pushes[s, j, 2] * c2 + pushes[s, j, 3] * c3
+                    + pushes[s, j, 4] * c4
+                )  # fmt: skip
+            torque += (
+                pushes[s, 6, 0] * c0 + pushes[s, 6, 1] * c1 + pushes[s, 6, 2] * c2 + pushes[s, 6, 3] * c3 + pushes[s, 6, 4] * c4
             )
-            moment = (
-                gh * (K[s, 3, 0] * push[0] + K[s, 3, 1] * push[1] + K[s, 3, 2] * push[2] + K[s, 3, 3] * push[3]),
-                gh * (K[s, 4, 0] * push[0] + K[s, 4, 1] * push[1] + K[s, 4, 2] * push[2] + K[s, 4, 3] * push[3]),
-                gh * (K[s, 5, 0] * push[0] + K[s, 5, 1] * push[1] + K[s, 5, 2] * push[2] + K[s, 5, 3] * push[3]),
-            )
-            torque += gh * (K[s, 6, 0] * push[0] + K[s, 6, 1] * push[1] + K[s, 6, 2] * push[2] + K[s, 6, 3] * push[3])
-            out_f, out_m = (
-                out_of(stations, s, force[0], force[1], force[2]),
-                out_of(stations, s, moment[0], moment[1], moment[2]),
-            )
-            for j in range(3):
-                b[j] += out_f[j]
-                b[3 + j] += out_m[j]
-                if stations[s, MOUNT_MASS] > 0.0:
-                    b[6 + j] += stations[s, MOUNT_MASS] * stations[s, j] * r[to + DEFLECTION_RATE]
+            b_own[i, p] = 0.0
             if stations[s, MOUNT_MASS] > 0.0:
                 pull = r[to + DEFLECTION_RATE]
+                for j in range(3):
+                    b[6 + j] += stations[s, MOUNT_MASS] * stations[s, j] * pull
                 if stage_kind == DRIVEN:
                     pull += dot(row_vector(stations, s), r_l)
-                b_own[i, p] = stations[s, MOUNT_MASS] * pull - gh * stations[s, MOUNT_STIFFNESS] * r[to + DEFLECTION] - force[0]
-            else:
-                b_own[i, p] = 0.0
+                b_own[i, p] = stations[s, MOUNT_MASS] * pull - gh * stations[s, MOUNT_STIFFNESS] * c3 + (
+                    pushes[s, 7, 0] * c0 + pushes[s, 7, 1] * c1 + pushes[s, 7, 2] * c2 + pushes[s, 7, 3] * c3
+                    + pushes[s, 7, 4] * c4
+                )  # fmt: skip
         b_own[i, 0] = gh * r[at + SPEED_OF_WHEEL] if drive_kind == SPEED else torque
     for q in range(rollers.shape[0]):
         if rollers[q, TOUCHING] > 0.0:
@@ -252,8 +243,8 @@ def _quaternion_stage(y, r, k, k_O, gh):
 def trial(
     y, f0, h, drive, drive_slope, stage_input, stage_slope, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
-    rollers, K, D, vectors, ks, H, frame, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches, touches, motors, power,
-    spare_rollers, weights, y_new,
+    rollers, K, D, vectors, ks, H, frame, pushes, by_turn, b, x, to_own, from_own, own, b_own, z,
+    wrenches, touches, motors, power, spare_rollers, weights, y_new,
 ):  # fmt: skip
     """A step of length ``h`` from ``y``, where ``f0`` and the Jacobian K, D stand, into ``y_new``; its error over tolerance.
 
@@ -289,6 +280,7 @@ def trial(
         from_own,
         own,
         frame,
+        pushes,
         by_turn,
     )
     if not fine:
@@ -301,10 +293,11 @@ def trial(
             same = same and method[row, j] == 0.0
         if not same:
             for i in range(size):
-                total = y[i]
-                for j in range(s):
-                    total += method[row, j] * ks[j, i]
-                y_new[i] = total
+                y_new[i] = y[i]
+            for j in range(s):
+                share = method[row, j]
+                for i in range(size):
+                    y_new[i] += share * ks[j, i]
             later = method[row, 2 * stages] * h
             for i in range(n):
                 asked[i] = drive[i] + later * drive_slope[i]
@@ -315,24 +308,28 @@ def trial(
                     y_new, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces,
                     places, turns, acting, False, gh, rate, power, motors, wrenches, touches, spare_rollers, K, D,
                 )  # fmt: skip
+        later = method[row, 2 * stages + 1] * h
         for i in range(size):
-            total = (f0[i] if same else rate[i]) + method[row, 2 * stages + 1] * h * time_slope[i]
-            for j in range(s):
-                total += method[row, stages + j] / h * ks[j, i]
-            r[i] = total
+            r[i] = (f0[i] if same else rate[i]) + later * time_slope[i]
+        for j in range(s):
+            share = method[row, stages + j] / h
+            for i in range(size):
+                r[i] += share * ks[j, i]
         solve_stage(
-            y, r, ks[s], gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, K,
+            y, r, ks[s], gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, pushes,
             H, by_turn, to_own, from_own, own, b, x, b_own, z,
         )  # fmt: skip
-    worst = 0.0
     last = 1 + stages
     for i in range(size):
-        total, wrong = y[i], 0.0
-        for j in range(stages):
-            total += method[last, j] * ks[j, i]
-            wrong += method[last, stages + j] * ks[j, i]
-        y_new[i] = total
-        wrong = abs(wrong) * weights[0, i] * (max(h, 0.01) if weights[1, i] > 0.0 else 1.0)
+        y_new[i], r[i] = y[i], 0.0
+    for j in range(stages):
+        share, miss = method[last, j], method[last, stages + j]
+        for i in range(size):
+            y_new[i] += share * ks[j, i]
+            r[i] += miss * ks[j, i]
+    worst = 0.0
+    for i in range(size):
+        wrong = abs(r[i]) * weights[0, i] * (max(h, 0.01) if weights[1, i] > 0.0 else 1.0)
         # NaN is the worst of all.
         if not wrong <= worst:
             worst = wrong if wrong == wrong else math.inf
