@@ -200,10 +200,6 @@ def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
     HG_r = H_rr * G_r + H_rt * G_t + H_rz * G_z
     HG_t = H_rt * G_r + H_tt * G_t + H_tz * G_z
     HG_z = H_rz * G_r + H_tz * G_t + H_zz * G_z
-        H_rr * G_r + H_rt * G_t + H_rz * G_z,
-        H_rt * G_r + H_tt * G_t + H_tz * G_z,
-        H_rz * G_r + H_tz * G_t + H_zz * G_z,
-    )
     sink_u, sink_f = (HG_r * u_r + HG_t * u_t + HG_z * u_z) / steep, (HG_r * f_r + HG_t * f_t + HG_z * f_z) / steep
     # û is the axis S ζ̂ + C ẑ laid into the tangent plane: it turns as ζ̂ does, and as the plane does.
     pace, lag = -S * f_r / (far * size), along / size
@@ -212,6 +208,7 @@ def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
         G_r * cosine - G_t * sine, G_r * sine + G_t * cosine, G_z,
         u_r * cosine - u_t * sine, u_r * sine + u_t * cosine, u_z,
         f_r * cosine - f_t * sine, f_r * sine + f_t * cosine, f_z,
-        kappa_u / steep, kappa_f / steep, kappa_x, pace * G_t - lag * sink_f, pace * u_t - lag * kappa_x, pace * f_t - lag * kappa_f / steep,
+        kappa_u / steep, kappa_f / steep, kappa_x,
+        pace * G_t - lag * sink_f, pace * u_t - lag * kappa_x, pace * f_t - lag * kappa_f / steep,
         r_r, steep, 0.0, sink_u, sink_f, HG_r * G_r + HG_t * G_t + HG_z * G_z,
     )  # fmt: skip
