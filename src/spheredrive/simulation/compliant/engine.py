@@ -238,7 +238,7 @@ def advance(
                 if not _take_up(touches, acting):
                     break
             _powers(power, touches, powers[0])
-            _gaps(stations, touches, gaps[0])
+            station_gaps(stations, touches, gaps[0])
             kinetic, potential = energies(y, body, wheels, stations, outlines)
             energy = kinetic + potential + _stored(wrenches)
             coming = _least_coming(touches)
@@ -310,7 +310,7 @@ def advance(
                 break
             continue
         _powers(power, touches, powers[2])
-        _gaps(stations, touches, gaps[1])
+        station_gaps(stations, touches, gaps[1])
         for o in range(q):
             leaving[o] = int(touches[o, LEAVING])
         kinetic, potential = energies(y_new, body, wheels, stations, outlines)
@@ -438,7 +438,7 @@ def _powers(power, touches, out):
 
 
 @njit(error_model="numpy")
-def _gaps(stations, touches, out):
+def station_gaps(stations, touches, out):
     """The least gap of each station."""
     for s in range(stations.shape[0]):
         first = int(stations[s, FIRST_OUTLINE])

@@ -270,7 +270,9 @@ class _Arrays:
         y[at.STAGE_POSITION : at.STAGE_POSITION + 3] = start.position
         y[at.STAGE_VELOCITY : at.STAGE_VELOCITY + 3] = start.velocity
         now = instant(m, y, self.places[b], self.turns[b])
-        self.touching[b] = now.wrenches[:, 0] > 0
+        gaps = np.empty(len(m.stations))
+        engine.station_gaps(m.stations, now.touches, gaps)
+        self.touching[b] = gaps < 0
         return y
 
     def advance(self, watch) -> None:
