@@ -386,6 +386,122 @@ def sweep(
 
 
 @app.command
+def optimize(
+    study: Path,
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])],
+    workers: int | None = None,
+    dask: str | None = None,
+    json: Json = False,
+) -> int:
+    """Search the best designs for several goals at once; the same command goes on where it was stopped.
+
+    Parameters
+    ----------
+    study
+        Study file (TOML) with objectives.
+    output
+        The folder to write: tables, figures and design files of the best.
+    workers
+        Processes; one a core if absent, 0 for none but this one.
+    dask
+        Address of a running Dask scheduler, such as tcp://host:8786, instead of processes here.
+    """
+    from spheredrive.studies.optimize.command import Stopped, optimize_command
+
+    try:
+        result = optimize_command(study, output, workers, dask)
+    except Stopped as stop:
+        _note(str(stop))
+        return EXIT_STOPPED
+    for note in result.notes:
+        _note(note)
+    if json:
+        _print_json(result.as_dict())
+    else:
+        print(result.text())
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
+def sensitivity(study: Path, *, points: int | None = None, json: Json = False) -> int:
+    """Say how a study's metrics change with its parameters.
+
+    Parameters
+    ----------
+    study
+        Study file (TOML).
+    points
+        Work out Sobol indices over the parameters' distributions from so many points, instead of derivatives at the design.
+    """
+    from spheredrive.studies.sensitivity.command import sensitivity_command
+
+    result = sensitivity_command(study, points)
+    if json:
+        _print_json(result.as_dict())
+    else:
+        print(result.text())
+    return 0
+
+
+@app.command
+def ensemble(
+    design: Path,
+    motion: Path,
+    *,
+    output: Annotated[Path, Parameter(name=["-o", "--output"])],
+    count: int = 100,
+    seed: int = 1,
+    friction_spread: float = 0.0,
+    alignment_spread: str | None = None,
+    radius_spread: float = 0.0,
+    wear: str | None = None,
+    json: Json = False,
+) -> int:
+    """Run machines as they are really made through the compliant model: how far do they scatter?
+
+    Parameters
+    ----------
+    design
+        Design file (TOML).
+    motion
+        Motion file (TOML).
+    output
+        The folder to write: ensemble.nc and a figure.
+    count
+        Number of machines.
+    seed
+        Seed of the scatter; the same seed gives the same machines.
+    friction_spread
+        Relative standard deviation of the friction, such as 0.1.
+    alignment_spread
+        Standard deviation of each wheel's rotation about each axis, such as "0.2 deg".
+    radius_spread
+        Relative standard deviation of each wheel's radius.
+    wear
+        Scale of the wear of each wheel's rollers, such as "0.1 mm".
+    """
+    from spheredrive.io.design_file import load_design
+    from spheredrive.io.motion_file import load_motion
+    from spheredrive.studies.ensemble.command import ensemble_command, spread_of
+
+    loaded = load_design(design)
+    asked = load_motion(motion, wheel_count=loaded.wheel_count)
+    spread = spread_of(friction_spread, alignment_spread, radius_spread, wear)
+    try:
+        with _progress("Running the ensemble") as watch:
+            result = ensemble_command(loaded, asked, output, spread, count, seed, watch)
+    except KeyboardInterrupt:
+        _note(f"Stopped: what is finished is kept in {output}; the same command goes on there.")
+        return EXIT_STOPPED
+    if json:
+        _print_json(result.as_dict())
+    else:
+        print(result.text())
+    return 0 if result.works else EXIT_DOES_NOT_WORK
+
+
+@app.command
 def view(
     design: Path,
     run: Path | None = None,
