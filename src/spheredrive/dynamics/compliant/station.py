@@ -67,7 +67,7 @@ def _about_axis(a, b):
     return a[0] * b[1] - a[1] * b[0]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def station_forces(
     st, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
     d, d_rate, Omega, theta, omega, derive, gh, wrenches, touches, rollers, K, D,

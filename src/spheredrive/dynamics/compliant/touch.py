@@ -58,7 +58,7 @@ def barrel_place(w, sigma, r_b, a, S2):
     return s
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     """Touch of the roller whose middle stands at β, cos β and sin β given; (x, y, z) is the sphere's centre."""
     a, S, C = outlines[o, AXIS_DISTANCE], outlines[o, SINE], outlines[o, COSINE]
