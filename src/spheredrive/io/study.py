@@ -143,6 +143,7 @@ class Study:
     design, motion   as their files give them; ``data`` is the design file as plain data, ``folder`` where files it names lie
     speeds           of the wheels, rad/s: one each, or one for all; empty where none are given
     metrics          names of what is wanted
+    prices           of parts of the catalogue and of wheel models, by name, all in one currency
     source           text of the study file
     """
 
@@ -157,5 +158,6 @@ class Study:
     objectives: tuple[Objective, ...] = ()
     constraints: tuple[Constraint, ...] = ()
     algorithm: Algorithm | None = None
+    prices: tuple[tuple[str, float], ...] = ()
     source: str = ""
     path: str = "study.toml"

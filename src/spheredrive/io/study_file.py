@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, create_model
 
 from spheredrive.errors import DesignError, InputError, did_you_mean
+from spheredrive.io.catalogue import catalogue
 from spheredrive.io.design_file import parse_design
 from spheredrive.io.design_path import DesignPath, resolve
 from spheredrive.io.motion_file import load_motion
@@ -32,6 +33,7 @@ MOST_PARAMETERS = 100
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(\S.*)?")
 _RELATION = re.compile(r"\s*(>=|<=)\s*(.*)", re.DOTALL)
 _SPEED = {"unit": "rad/s", "sign": "any"}
+_PRICE = {"unit": "", "sign": "non-negative"}
 
 
 class Law(NamedTuple):
@@ -81,6 +83,7 @@ def study_model() -> type[BaseModel]:
         "objectives": (dict[str, Any], Field(None, description='metrics to make as large ("max") or small ("min") as can be')),
         "constraints": (dict[str, Any], Field(None, description='bounds on metrics, such as ">= 5 mm"')),
         "algorithm": (model_of(Algorithm), Field(None, description="how the best design is sought")),
+        "prices": (dict[str, Any], Field(None, description="of parts of the catalogue and wheel models, all in one currency")),
     }
     return create_model("StudyFile", __config__=ConfigDict(extra="forbid", frozen=True), **fields)
 
@@ -115,6 +118,7 @@ def _study(document: TomlFile, folder: Path, metrics: Mapping[str, Metric]) -> S
     names = _metric_names(content.metrics, metrics, motion, speeds, problems)
     objectives = _objectives(content.objectives or {}, metrics, problems)
     constraints = _constraints(content.constraints or {}, metrics, problems)
+    prices = _prices(content.prices or {}, base.data, problems)
     problems.raise_first()
     return Study(
         design=design,
@@ -128,6 +132,7 @@ def _study(document: TomlFile, folder: Path, metrics: Mapping[str, Metric]) -> S
         objectives=objectives,
         constraints=constraints,
         algorithm=None if content.algorithm is None else Algorithm(**_given(content.algorithm)),
+        prices=prices,
         source=document.text,
         path=document.path,
     )
@@ -332,6 +337,17 @@ def _metric(name: str, metrics: Mapping[str, Metric]) -> Metric:
     if name not in metrics:
         raise DesignError(f"there is no metric {name[:60]!r}{did_you_mean(name[:60], metrics, limit=40)}")
     return metrics[name]
+
+
+def _prices(table: Mapping[str, Any], data, problems: Problems) -> tuple[tuple[str, float], ...]:
+    named = (*data["wheels"], *catalogue())
+    found = []
+    for name, value in table.items():
+        with problems.under("prices", name):
+            if name not in named:
+                raise DesignError(f"there is no such part or wheel model{did_you_mean(name[:60], named)}")
+            found.append((name, float(read_quantity(value, _PRICE, (), name))))
+    return tuple(found)
 
 
 def _objectives(table: Mapping[str, Any], metrics, problems: Problems) -> tuple[Objective, ...]:

@@ -171,7 +171,7 @@ class Coordinator:
 
 def chunk_size(study: Study, count: int) -> int:
     """Points of a chunk: as many as suit the metrics, fewer where the study is small."""
-    most = batch_size(study.metrics, Conditions(study.speeds, study.motion))
+    most = batch_size(study.metrics, Conditions.of(study))
     return int(min(max(-(-count // CHUNKS), 1), most))
 
 

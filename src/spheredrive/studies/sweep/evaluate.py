@@ -34,7 +34,7 @@ class Evaluator:
     def __init__(self, study: Study):
         self.study = study
         self.points = Points(study)
-        self.conditions = Conditions(study.speeds, study.motion)
+        self.conditions = Conditions.of(study)
         self.families = asked_of(study.metrics)
         self.variants = Variants(study, needs_designs(study.metrics, self.conditions))
         self._column = {name: i for i, name in enumerate(study.metrics)}

@@ -25,7 +25,7 @@ NUMBERS = 1
 
 def context_of(study: Study) -> str:
     """What all points share, as text of 32 letters."""
-    shared = (study.design, study.motion, study.speeds, study.metrics, spheredrive.__version__, NUMBERS)
+    shared = (study.design, study.motion, study.speeds, study.prices, study.metrics, spheredrive.__version__, NUMBERS)
     return _digest(*map(repr, shared))
 
 

@@ -12,6 +12,7 @@ from spheredrive.io.study import Metric
 
 if TYPE_CHECKING:
     from spheredrive.design import Design
+    from spheredrive.io.study import Study
     from spheredrive.motion import Motion
     from spheredrive.studies.sweep.columns import Columns
 
@@ -29,10 +30,16 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Conditions:
-    """What is the same for all machines of a study: wheel speeds (rad/s; one each, one for all, or none) and motion."""
+    """What is the same for all machines of a study: wheel speeds (rad/s; one each, one for all, or none), motion, prices."""
 
     speeds: tuple[float, ...] = ()
     motion: Motion | None = None
+    prices: tuple[tuple[str, float], ...] = ()
+
+    @classmethod
+    def of(cls, study: Study) -> Conditions:
+        """Those of a study."""
+        return cls(study.speeds, study.motion, study.prices)
 
 
 @dataclass(frozen=True)

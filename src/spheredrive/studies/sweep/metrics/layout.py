@@ -7,12 +7,13 @@ race's rollers; a wheel whose rollers are not described is a thin disc.
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spheredrive.errors import DesignError, SpheredriveError
-from spheredrive.io.catalogue import catalogue
 from spheredrive.io.study import Metric
 from spheredrive.shape import nominal_height, roller
 from spheredrive.studies.sweep.columns import Columns
@@ -20,11 +21,14 @@ from spheredrive.studies.sweep.metrics.base import Conditions, Family, Found, Ma
 from spheredrive.studies.sweep.metrics.gaps import Cylinders, cylinder_gap, free_cone
 from spheredrive.wheels import RollerWheel, Wheel
 
+if TYPE_CHECKING:
+    from spheredrive.design import Design
+
 METRICS = (
     Metric("clearance", "m", "least distance between two wheels as cylinders; negative where they overlap"),
     Metric("opening", "rad", "half angle of the widest cone about +z from the sphere's centre that is free of wheels"),
     Metric("mass", "kg", "mass of sphere, wheels and, where it is given, stage"),
-    Metric("price", "", "sum of the prices of the wheels as parts of the catalogue"),
+    Metric("price", "", "sum of the wheels' prices as the study gives them"),
 )
 ALONE = "one wheel alone has no clearance"
 NO_MASS = "needs sphere.mass and a mass of every wheel model"
@@ -45,7 +49,7 @@ def measure(machines: Machines, conditions: Conditions, names: tuple[str, ...]) 
     if "price" in names:
         designs = machines.designs
         assert designs is not None, "whole designs were asked for"
-        found["price"] = one_by_one(len(c), lambda i: _price(designs[i]))
+        found["price"] = one_by_one(len(c), lambda i: _price(designs[i], dict(conditions.prices)))
     return {name: found[name] for name in names}
 
 
@@ -119,18 +123,15 @@ def _mass(c: Columns) -> Found:
     return known(c.sphere_mass + c.wheel_mass.sum(axis=1) + (c.design.stage.mass or 0.0))
 
 
-def _price(design) -> float:
-    models = tomllib.loads(design.source)["wheels"]
+def _price(design: Design, prices: Mapping[str, float]) -> float:
+    models = tomllib.loads(design.source).get("wheels", {})
     total = 0.0
     for wheel in design.wheels:
-        part = models[wheel.name].get("catalogue")
-        if part is None:
-            raise SpheredriveError(
-                f"wheels.{wheel.name} is no part of the catalogue and has no price; name one as its catalogue"
-            )
-        price = getattr(catalogue()[part], "price", None)
+        part = models.get(wheel.name, {}).get("catalogue")
+        price = prices.get(wheel.name, prices.get(part))
         if price is None:
-            raise SpheredriveError(f"the catalogue gives no price of {part}")
+            known_as = f"wheels.{wheel.name}" if part is None else part
+            raise SpheredriveError(f"no price of {known_as} is given; add it to the table [prices] of the study")
         total += price
     return total
 
