@@ -31,6 +31,9 @@ bench: $(VENV)/dev
 	$(BIN)/python benchmarks/compliant.py
 	$(BIN)/python benchmarks/studies.py
 
+docs: $(VENV)/docs
+	MPLBACKEND=Agg $(BIN)/python -m sphinx -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html
+
 # The stamps are renewed when the list of dependencies changes.
 $(VENV)/run: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit('spheredrive needs Python 3.11 or newer' if sys.version_info < (3, 11) else 0)"
@@ -46,6 +49,10 @@ $(VENV)/dev: pyproject.toml constraints.txt
 	command -v chromium > /dev/null || (apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium) || true
 	touch $(VENV)/run $@
 
+$(VENV)/docs: $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	touch $@
+
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis dist
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis dist docs/_build docs/gallery
 	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

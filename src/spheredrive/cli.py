@@ -410,7 +410,8 @@ def optimize(
     from spheredrive.studies.optimize.command import Stopped, optimize_command
 
     try:
-        result = optimize_command(study, output, workers, dask)
+        with _progress("Optimising") as watch:
+            result = optimize_command(study, output, workers, dask, watch)
     except Stopped as stop:
         _note(str(stop))
         return EXIT_STOPPED
@@ -488,6 +489,7 @@ def ensemble(
     loaded = load_design(design)
     asked = load_motion(motion, wheel_count=loaded.wheel_count)
     spread = spread_of(friction_spread, alignment_spread, radius_spread, wear)
+    _warn_of_compiling()
     try:
         with _progress("Running the ensemble") as watch:
             result = ensemble_command(loaded, asked, output, spread, count, seed, watch)
