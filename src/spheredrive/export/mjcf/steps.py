@@ -69,17 +69,18 @@ def largest_step(
     settings: Settings | None = None,
     by: str = "samples",
     longest: float = 4e-3,
+    halvings: int = HALVINGS,
 ) -> StepSearch:
     """The largest step with which a run stays ``within`` its own limit of short steps; ``by`` as for ``run_difference``.
 
     Steps are halved from ``longest`` (s), or the motion's sample time, until one changes the answer by less than a quarter of
-    ``within``; that run stands for the limit. Raises ``SpheredriveError`` where twelve halvings do not get there, and as
+    ``within``; that run stands for the limit. Raises ``SpheredriveError`` where so many ``halvings`` do not get there, and as
     ``run_mujoco``.
     """
     settings = settings or Settings()
     step = min(longest, 1 / motion.sample_rate)
     runs: list[tuple[float, MujocoRun | None]] = []
-    for _ in range(HALVINGS):
+    for _ in range(halvings):
         runs.append((step, _tried(design, motion, replace(settings, timestep=step))))
         last = [run for _, run in runs[-2:]]
         if len(last) == 2 and None not in last and run_difference(*last, by) < within / 4:  # type: ignore[arg-type]
