@@ -181,7 +181,7 @@ def station_forces(
             if rolling_arm > 0.0 or spin_arm > 0.0:
                 m, heat = _resist(
                     st, G, u, f, pressed, mu, rolling_arm, spin_arm, turn_speed, Omega, omega,
-                    steep * N_rate, steep * N_depth, d, touch, derive, K, D,
+                    steep * N_rate, steep * N_depth, d, d_rate, touch, derive, K, D,
                 )  # fmt: skip
                 M_all = (M_all[0] + m[0], M_all[1] + m[1], M_all[2] + m[2])
                 torque -= m[2]
@@ -285,7 +285,7 @@ def _derive(
 
 @njit(error_model="numpy")
 def _resist(
-    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, touch, derive, K, D
+    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, d_rate, touch, derive, K, D
 ):  # fmt: skip
     """Moment of rolling and spin resistance on the sphere (``contact.resistance_moment``), and its heat; the wheel gets the
     opposite."""
@@ -316,8 +316,12 @@ def _resist(
             bend = (along_u * u[0] + along_f * f[0], along_u * u[1] + along_f * f[1], along_u * u[2] + along_f * f[2])
             spun, rolled = dot(w, bend), r * along * dot(flat, bend) / (roll * roll)
             slope = mu * spinning * smooth * smooth / (spin * spin * spin)
+            # The normal force itself changes by the rate of the gap.
+            across = (d_rate[0] + omega * d[1], d_rate[1] - omega * d[0], d_rate[2])
+            dN = -N_rate * (dot(bend, across) - omega * _about_axis(e, G))
             for i in range(3):
                 dm = pressed * (r * (spun * G[i] + along * bend[i]) - rolled * flat[i] - slope * spun * G[i] - q * bend[i])
+                dm += m[i] * dN
                 for j in range(3):
                     K[st, 3 + i, j] += dm * e[j]
                     if i == 2:
