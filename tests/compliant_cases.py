@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 
 from spheredrive.design import Closure, Contact, Design, Motor, Mount, Placement, Sphere, Spring, Stage
 from spheredrive.dynamics.compliant import layout as at
+from spheredrive.dynamics.compliant.energy import energies
 from spheredrive.dynamics.compliant.instant import rates
 from spheredrive.dynamics.compliant.machine import Machine, machine
 from spheredrive.dynamics.compliant.station import ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.compliant import run as run_module
 from spheredrive.simulation.compliant.engine import settle
-from spheredrive.simulation.compliant.ledger import ledger
 from spheredrive.simulation.compliant.run import Accuracy
 from spheredrive.simulation.compliant.seat import Instant, seat
 from spheredrive.wheels import (
@@ -123,11 +122,8 @@ def random_state(m: Machine, rng: np.random.Generator, depth: float = 3e-5, spee
 def energy(m: Machine, y, places=None, turns=None) -> float:
     """All that is stored in a state, J."""
     now = evaluate(m, y, places, turns)
-    run = SimpleNamespace(
-        machine=m, states=y[None], stored=now.wrenches[:, STORED].sum()[None], works=np.zeros((1, at.POWERS + len(m.outlines)))
-    )
-    book = ledger(run)
-    return float(book.kinetic[0] + book.potential[0] + book.elastic[0])
+    kinetic, potential = energies(y, m.body, m.wheels, m.stations, m.outlines)
+    return float(kinetic + potential + now.wrenches[:, STORED].sum())
 
 
 def machine_of(name: str, law: str = "linear") -> Machine:
@@ -135,9 +131,9 @@ def machine_of(name: str, law: str = "linear") -> Machine:
     return machine(everything(WHEELS[name], law))
 
 
-def run_from(d: Design, motion: Motion, accuracy: Accuracy = Accuracy(), change=None, first_step: float = 1e-6):
+def run_from(d: Design, motion: Motion, accuracy: Accuracy | None = None, change=None, first_step: float = 1e-6):
     """A run that starts in the state that ``change`` makes of the seat, in place."""
-    arrays = run_module._Arrays([d], [motion], accuracy)
+    arrays = run_module._Arrays([d], [motion], accuracy or Accuracy())
     if change is not None:
         change(arrays.y[0])
     arrays.clock[0, 1] = first_step

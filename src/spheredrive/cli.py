@@ -457,6 +457,7 @@ def ensemble(
     alignment_spread: str | None = None,
     radius_spread: float = 0.0,
     wear: str | None = None,
+    device: str = "cpu",
     json: Json = False,
 ) -> int:
     """Run machines as they are really made through the compliant model: how far do they scatter?
@@ -481,18 +482,24 @@ def ensemble(
         Relative standard deviation of each wheel's radius.
     wear
         Scale of the wear of each wheel's rollers, such as "0.1 mm".
+    device
+        Where the runs go: cpu, gpu, or auto, which takes a graphics card where there is one.
     """
     from spheredrive.io.design_file import load_design
     from spheredrive.io.motion_file import load_motion
+    from spheredrive.simulation.compliant.gpu import device_of
     from spheredrive.studies.ensemble.command import ensemble_command, spread_of
 
+    chosen, note = device_of(device)
+    if note:
+        _note(note)
     loaded = load_design(design)
     asked = load_motion(motion, wheel_count=loaded.wheel_count)
     spread = spread_of(friction_spread, alignment_spread, radius_spread, wear)
     _warn_of_compiling()
     try:
         with _progress("Running the ensemble") as watch:
-            result = ensemble_command(loaded, asked, output, spread, count, seed, watch)
+            result = ensemble_command(loaded, asked, output, spread, count, seed, watch, chosen)
     except KeyboardInterrupt:
         _note(f"Stopped: what is finished is kept in {output}; the same command goes on there.")
         return EXIT_STOPPED

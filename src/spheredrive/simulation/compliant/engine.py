@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from spheredrive.compiled import njit
 from spheredrive.dynamics.compliant.energy import energies
 from spheredrive.dynamics.compliant.instant import into, rates, vector
@@ -41,14 +39,11 @@ from spheredrive.dynamics.compliant.station import (
     COMING_ROLLER,
     GAP,
     LEAVING,
-    ROLLER_SIZE,
     ROLLER_STATION,
     SLIP_POWER,
     STORED,
     TOUCH_SIZE,
-    WRENCH_SIZE,
 )
-from spheredrive.simulation.compliant.arrow import OWN, SHARED
 from spheredrive.simulation.compliant.step import between, normalise, trial
 
 DONE, RUNNING, EVENTS_FULL, NOT_FINITE, STUCK, FALLEN = range(6)
@@ -169,6 +164,8 @@ def advance(
     body, wheels, stations, outlines, pieces, drive_kind, stage_kind, inputs, samples, method, stages, order, control,
     weights, y, clock, counters, works, places, turns, acting, touching,
     kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works, events, allowed,
+    states, H, frame, sides, by_turn, pushes, to_own, from_own, own, own_sides, wrenches, touches, spins, Ks, Ds,
+    powers, gaps, drives, pushing, limited, leaving,
 ):  # fmt: skip
     """Take a run on by ``allowed`` steps, or to its end; returns its status.
 
@@ -182,30 +179,18 @@ def advance(
                   so far, pieces of rings and their turns, rollers that act, whether stations touch
     kept_…        what is recorded at each sample: state, its rate, motor torques, touches, elastic energy, works
     events        time, station and kind (``LIFTED``, ``TOUCHED``) of each contact lost or made
+    states …      room to work in (``room.Room``), whatever stands there: nothing is allocated here, as a graphics card cannot
     """
     n, m, q, size = wheels.shape[0], stations.shape[0], outlines.shape[0], y.size
     turning = size - WHEELS - WHEEL_STATES * n - STATION_STATES * m
-    f0, f1, y_new, y_mid = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
-    vectors, ks = np.zeros((6, max(size, n))), np.zeros((stages, size))
-    H, frame, b, x = np.zeros((SHARED, SHARED)), np.zeros((7, 7)), np.zeros(SHARED), np.zeros(SHARED)
-    by_turn, pushes = np.zeros((6, 3)), np.zeros((m, 8, 5))
-    to_own, from_own, own = np.zeros((n, SHARED, OWN)), np.zeros((n, OWN, SHARED)), np.zeros((n, OWN, OWN))
-    b_own, z = np.zeros((n, OWN)), np.zeros((n, OWN))
-    wrenches, touches, motors = np.zeros((m, WRENCH_SIZE)), np.zeros((q, TOUCH_SIZE)), np.zeros(n)
-    power = np.zeros(POWERS)
-    rollers, rollers_1, spare = (
-        np.zeros((turning, ROLLER_SIZE)),
-        np.zeros((turning, ROLLER_SIZE)),
-        np.zeros((turning, ROLLER_SIZE)),
-    )
-    K, D, K_1, D_1 = np.zeros((m, 7, 4)), np.zeros((m, 7, 7)), np.zeros((m, 7, 4)), np.zeros((m, 7, 7))
-    limited = np.zeros(n, np.bool_)
-    powers = np.zeros((3, POWERS + q))
-    gaps, leaving = np.zeros((2, m)), np.zeros(q, np.int64)
+    f0, f1, y_new, y_mid, vectors, ks = states[0], states[1], states[2], states[3], states[4:10], states[10:]
+    b, x, b_own, z = sides[0], sides[1], own_sides[0], own_sides[1]
+    rollers, rollers_1, spare = spins[0, :turning], spins[1, :turning], spins[2, :turning]
+    K, D, K_1, D_1 = Ks[0], Ds[0], Ks[1], Ds[1]
+    drive, drive_slope, asked, motors = drives[0], drives[1], drives[2], drives[3]
+    stage, stage_slope, pushed, power = pushing[0], pushing[1], pushing[2], powers[3, :POWERS]
     _roller_stations(stations, outlines, rollers)
     _roller_stations(stations, outlines, rollers_1)
-    drive, drive_slope, asked = np.zeros(n), np.zeros(n), np.zeros(n)
-    stage, stage_slope, pushed = np.zeros(3), np.zeros(3), np.zeros(3)
     t, h, piece = clock[TIME], clock[STEP], int(clock[PIECE])
     sample, gamma, grown, energy = int(counters[SAMPLES_DONE]), method[0, 0], h, 0.0
     fresh, refused, coming = True, clock[REFUSED] > 0.0, 0.0
@@ -315,7 +300,7 @@ def advance(
             leaving[o] = int(touches[o, LEAVING])
         kinetic, potential = energies(y_new, body, wheels, stations, outlines)
         energy_end = kinetic + potential + _stored(wrenches)
-        between(0.5, h, y, f0, y_new, f1, n, m, y_mid)
+        between(0.5, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
         _at(
             0.5 * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
             outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
@@ -342,7 +327,7 @@ def advance(
         refused = False
         while sample < samples.size and samples[sample] <= later:
             part = (samples[sample] - t) / h
-            between(part, h, y, f0, y_new, f1, n, m, y_mid)
+            between(part, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
             _at(
                 part * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
                 outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,

@@ -11,7 +11,11 @@ import numpy as np
 
 
 class Method(NamedTuple):
-    """Coefficients of a method of ``order`` with s stages."""
+    """Coefficients of a method of ``order`` with s stages.
+
+    dense   (2, s) rows d, g of its continuous extension, y(t + θh) = (1 − θ) y + θ (y₁ + (1 − θ)(Σ d_j k_j + θ Σ g_j k_j));
+            all zero where it has none: a straight line, which damps what is stiff
+    """
 
     gamma: float
     a: np.ndarray
@@ -21,6 +25,7 @@ class Method(NamedTuple):
     m: np.ndarray
     e: np.ndarray
     order: int
+    dense: np.ndarray
 
 
 def _lower(rows, size: int) -> np.ndarray:
@@ -61,6 +66,12 @@ RODAS4 = Method(
     m=np.array([*_A5, 1.0, 1.0]),
     e=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
     order=4,
+    dense=np.array(
+        [
+            [10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662, 0.0],
+            [-0.6762803392806898, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872, 0.0],
+        ]
+    ),
 )
 _P5 = (-7.170454962423024, -4.741636671481785, -16.31002631330971, -1.062004044111401)
 # Steinebach's RODASP: as RODAS, and of order 4 too where a stiff part is driven.
@@ -93,6 +104,12 @@ RODAS4P = Method(
     m=np.array([*_P5, 1.0, 1.0]),
     e=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
     order=4,
+    dense=np.array(
+        [
+            [25.09876703708589, 11.62013104361867, 28.49148307714626, -5.664021568594133, 0.0, 0.0],
+            [1.638054557396973, -0.7373619806678748, 8.477918219238990, 15.99253148779520, -1.882352941176471, 0.0],
+        ]
+    ),
 )
 # Sandu et al.: four stages, three evaluations, order 3(2), stiffly accurate.
 RODAS3 = Method(
@@ -104,5 +121,6 @@ RODAS3 = Method(
     m=np.array([2.0, 0.0, 1.0, 1.0]),
     e=np.array([0.0, 0.0, 0.0, 1.0]),
     order=3,
+    dense=np.zeros((2, 4)),
 )
 METHODS = {"rodas4": RODAS4, "rodas4p": RODAS4P, "rodas3": RODAS3}

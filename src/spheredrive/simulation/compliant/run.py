@@ -19,6 +19,7 @@ from spheredrive.kinematics import forward, inverse
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.compliant import engine
 from spheredrive.simulation.compliant.methods import METHODS, Method
+from spheredrive.simulation.compliant.room import room
 from spheredrive.simulation.compliant.seat import instant, seat
 from spheredrive.simulation.inputs import inputs_of
 
@@ -168,14 +169,24 @@ def run_compliant_batch(
     motions: Sequence[Motion],
     accuracy: Accuracy = Accuracy(),
     watch: Callable[[float], None] | None = None,
+    device: str = "cpu",
 ) -> list[CompliantRun]:
-    """Runs of several designs or motions on all cores; one of either serves for all. Results do not depend on the batch."""
+    """Runs of several designs or motions on all cores; one of either serves for all. Results do not depend on the batch.
+
+    ``device`` is "cpu"; "gpu", a graphics card, whose last places may differ (see ``gpu``); or "auto", the card where
+    there is one, else the cores, with a warning that says so. Raises ``SpheredriveError`` where "gpu" cannot be had.
+    """
+    from spheredrive.simulation.compliant.gpu import advance_batch_on_gpu, device_with_note
     from spheredrive.simulation.rolling_run import spread
 
+    device = device_with_note(device)
     count = max(len(designs), len(motions))
     designs, motions = spread(designs, count, "designs"), spread(motions, count, "motions")
     arrays = _Arrays(designs, motions, accuracy)
-    arrays.advance(watch)
+    if device == "gpu":
+        advance_batch_on_gpu(arrays, watch)
+    else:
+        arrays.advance(watch)
     return [arrays.run(b) for b in range(count)]
 
 
@@ -191,11 +202,12 @@ def wheel_motion(design: Design, motion: Motion) -> Motion:
 def packed(method: Method) -> np.ndarray:
     """A method's coefficients as the rows that ``step.trial`` takes."""
     stages = len(method.alpha)
-    rows = np.zeros((stages + 2, 2 * stages + 2))
+    rows = np.zeros((stages + 3, 2 * stages + 2))
     rows[0, 0] = method.gamma
-    rows[1:-1, :stages], rows[1:-1, stages : 2 * stages] = method.a, method.c
-    rows[1:-1, 2 * stages], rows[1:-1, 2 * stages + 1] = method.alpha, method.gammas
-    rows[-1, :stages], rows[-1, stages : 2 * stages] = method.m, method.e
+    rows[1:-2, :stages], rows[1:-2, stages : 2 * stages] = method.a, method.c
+    rows[1:-2, 2 * stages], rows[1:-2, 2 * stages + 1] = method.alpha, method.gammas
+    rows[-2, :stages], rows[-2, stages : 2 * stages] = method.m, method.e
+    rows[-1, :stages], rows[-1, stages : 2 * stages] = method.dense
     return rows
 
 
@@ -302,6 +314,7 @@ class _Arrays:
             packed(self.method), len(self.method.alpha), self.method.order, self.control[b], self.weights[b],
             self.y[b], self.clock[b], self.counters[b], self.works[b], self.places[b], self.turns[b], self.acting[b],
             self.touching[b], *(kept[b] for kept in self.kept), self.events[b], STEPS_AT_ONCE,
+            *room(m, len(self.method.alpha)),
         )  # fmt: skip
 
     def run(self, b: int) -> CompliantRun:

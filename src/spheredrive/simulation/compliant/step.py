@@ -346,10 +346,11 @@ def _equal(method, s, stages):
 
 
 @njit(error_model="numpy")
-def between(share, h, y0, f0, y1, f1, n, m, out):
-    """The state at ``share`` of a step: positions by the quintic through position, speed and acceleration at both ends.
+def between(share, h, y0, f0, y1, f1, ks, method, stages, n, m, out):
+    """The state at ``share`` of a step of length h with the stages ``ks``.
 
-    Speeds are its slope, so that they belong together; the rest by cubics through value and rate.
+    Positions by the quintic through position, speed and acceleration at both ends, the quaternion by a cubic, speeds by the
+    method's own continuous extension: it damps what is stiff, as the method does, where rates at the ends are no guide.
     """
     x = share
     # Cubic Hermite.
@@ -360,13 +361,30 @@ def between(share, h, y0, f0, y1, f1, n, m, out):
     for j in range(3):
         _quintic(x, h, y0, f0, y1, f1, CENTRE + j, CENTRE_VELOCITY + j, out)
         _quintic(x, h, y0, f0, y1, f1, STAGE_POSITION + j, STAGE_VELOCITY + j, out)
+        _extended(x, y0, y1, ks, method, stages, CENTRE_VELOCITY + j, out)
+        _extended(x, y0, y1, ks, method, stages, OMEGA + j, out)
     for i in range(n):
         at = WHEELS + WHEEL_STATES * i
         _quintic(x, h, y0, f0, y1, f1, at + ANGLE, at + SPEED_OF_WHEEL, out)
+        _extended(x, y0, y1, ks, method, stages, at + SPEED_OF_WHEEL, out)
+    at = WHEELS + WHEEL_STATES * n
     for s in range(m):
-        at = WHEELS + WHEEL_STATES * n + STATION_STATES * s
         _quintic(x, h, y0, f0, y1, f1, at + DEFLECTION, at + DEFLECTION_RATE, out)
+        _extended(x, y0, y1, ks, method, stages, at + DEFLECTION_RATE, out)
+        at += STATION_STATES
+    for i in range(at, y0.size):
+        _extended(x, y0, y1, ks, method, stages, i, out)
     normalise(out)
+
+
+@njit(error_model="numpy", forceinline=True)
+def _extended(x, y0, y1, ks, method, stages, i, out):
+    """Entry i by the continuous extension."""
+    d = g = 0.0
+    for j in range(stages):
+        d += method[stages + 2, j] * ks[j, i]
+        g += method[stages + 2, stages + j] * ks[j, i]
+    out[i] = (1.0 - x) * y0[i] + x * (y1[i] + (1.0 - x) * (d + x * g))
 
 
 @njit(error_model="numpy", forceinline=True)

@@ -72,6 +72,7 @@ def ensemble_command(
     count: int,
     seed: int,
     watch: Callable[[float], None] = lambda share: None,
+    device: str = "cpu",
 ) -> Ensemble:
     """``spheredrive ensemble``: run the ensemble and write ``ensemble.nc`` and ``distribution.svg`` into ``output``.
 
@@ -89,7 +90,7 @@ def ensemble_command(
     with locked(output):
         store = Store(output, _digest(design, motion, accuracy), _digest(spread, seed, RUNS_AT_ONCE))
         store.open()
-        data = ensemble(design, motion, spread, count, seed, accuracy, watch=watch, store=store)
+        data = ensemble(design, motion, spread, count, seed, accuracy, watch=watch, store=store, device=device)
         files = [write_run(data, output / "ensemble.nc")]
         if (data.reason.values == "").any():
             files.append(output / "distribution.svg")

@@ -41,12 +41,13 @@ def ensemble(
     chunk: int = RUNS_AT_ONCE,
     watch: Callable[[float], None] = lambda share: None,
     store: Store | None = None,
+    device: str = "cpu",
 ) -> xarray.Dataset:
     """How ``count`` machines scattered about ``design`` by ``spread`` go through ``motion``.
 
     A velocity of the sphere becomes wheel speeds by the Jacobian of the design as drawn, which is all that a controller
     knows. The dataset has one value a member of each of ``numbers.NUMBERS``, NaN where its run failed, and ``reason``, "" or
-    a sentence. It depends neither on ``chunk``, the runs held at once, nor on the number of threads. ``watch`` is told the
+    a sentence. ``device`` is "cpu" or "gpu". On the processor it depends neither on ``chunk``, the runs held at once, nor on the number of threads. ``watch`` is told the
     share that is done; ``store`` keeps what is finished, and what it has is not run again.
     Raises ``SpheredriveError`` where the design as drawn cannot make the motion. Source: model.md section 5c.
     """
@@ -61,7 +62,7 @@ def ensemble(
         numbers = range(first, min(first + chunk, count))
         found = _kept(store, first // chunk, numbers)
         if found is None:
-            found = list(members(design, asked, spread, seed, accuracy, drawn, numbers))
+            found = list(members(design, asked, spread, seed, accuracy, drawn, numbers, device))
             _keep(store, first // chunk, numbers, found)
         rows += found
         watch(len(rows) / count)
@@ -88,7 +89,9 @@ def _keep(store: Store | None, number: int, members: range, rows: list[Member]) 
     store.write(number, Chunk(keys, Rows(np.array([row for row, _ in rows]), reason, tuple(sentences))))
 
 
-def members(design, asked: Motion, spread: Spread, seed: int, accuracy: Accuracy, drawn, numbers: range) -> Iterator[Member]:
+def members(
+    design, asked: Motion, spread: Spread, seed: int, accuracy: Accuracy, drawn, numbers: range, device: str = "cpu"
+) -> Iterator[Member]:
     """The numbers of some members, each with "" or why there are none."""
     made: dict[int, Design] = {}
     failed: dict[int, str] = {}
@@ -97,7 +100,7 @@ def members(design, asked: Motion, spread: Spread, seed: int, accuracy: Accuracy
             made[member] = varied_design(design, spread, seed, member)
         except SpheredriveError as error:
             failed[member] = str(error)
-    runs = dict(zip(made, _runs(list(made.values()), asked, accuracy), strict=True))
+    runs = dict(zip(made, _runs(list(made.values()), asked, accuracy, device), strict=True))
     for member in numbers:
         run = runs.get(member)
         if run is None or isinstance(run, SpheredriveError):
@@ -108,11 +111,11 @@ def members(design, asked: Motion, spread: Spread, seed: int, accuracy: Accuracy
             yield numbers_of(run, drawn), ""
 
 
-def _runs(designs: list[Design], asked: Motion, accuracy: Accuracy) -> list[CompliantRun | SpheredriveError]:
+def _runs(designs: list[Design], asked: Motion, accuracy: Accuracy, device: str) -> list[CompliantRun | SpheredriveError]:
     if not designs:
         return []
     try:
-        return list(run_compliant_batch(designs, [asked], accuracy))
+        return list(run_compliant_batch(designs, [asked], accuracy, device=device))
     except SpheredriveError:
         # One of them is at fault: each by itself, so that the others have their runs.
         return [_alone(design, asked, accuracy) for design in designs]
