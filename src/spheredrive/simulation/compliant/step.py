@@ -368,7 +368,7 @@ def between(share, h, y0, f0, y1, f1, ks, method, stages, n, m, out):
         _quintic(x, h, y0, f0, y1, f1, at + ANGLE, at + SPEED_OF_WHEEL, out)
         _extended(x, y0, y1, ks, method, stages, at + SPEED_OF_WHEEL, out)
     at = WHEELS + WHEEL_STATES * n
-    for s in range(m):
+    for _ in range(m):
         _quintic(x, h, y0, f0, y1, f1, at + DEFLECTION, at + DEFLECTION_RATE, out)
         _extended(x, y0, y1, ks, method, stages, at + DEFLECTION_RATE, out)
         at += STATION_STATES

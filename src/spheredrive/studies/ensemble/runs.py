@@ -47,9 +47,9 @@ def ensemble(
 
     A velocity of the sphere becomes wheel speeds by the Jacobian of the design as drawn, which is all that a controller
     knows. The dataset has one value a member of each of ``numbers.NUMBERS``, NaN where its run failed, and ``reason``, "" or
-    a sentence. ``device`` is "cpu" or "gpu". On the processor it depends neither on ``chunk``, the runs held at once, nor on the number of threads. ``watch`` is told the
-    share that is done; ``store`` keeps what is finished, and what it has is not run again.
-    Raises ``SpheredriveError`` where the design as drawn cannot make the motion. Source: model.md section 5c.
+    a sentence. ``device`` is "cpu" or "gpu". On the processor it depends neither on ``chunk``, the runs held at once, nor on
+    the number of threads. ``watch`` is told the share that is done. With a ``store`` finished chunks are kept and found
+    again. Raises ``SpheredriveError`` where the design as drawn does not come through.
     """
     if count < 1:
         raise SpheredriveError(f"an ensemble has at least one member, not {count}")
