@@ -38,19 +38,19 @@ docs: $(VENV)/docs
 $(VENV)/run: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit('spheredrive needs Python 3.11 or newer' if sys.version_info < (3, 11) else 0)"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt --editable .
 	touch $@
 
 # The browser that the app is tested in is Debian's; elsewhere, or where it cannot be installed, its tests say so.
 $(VENV)/dev: pyproject.toml constraints.txt
 	$(PYTHON) -c "import sys; sys.exit('spheredrive needs Python 3.11 or newer' if sys.version_info < (3, 11) else 0)"
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[dev]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"
 	command -v chromium > /dev/null || (apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium) || true
 	touch $(VENV)/run $@
 
 $(VENV)/docs: $(VENV)/dev
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt --editable ".[docs]"
 	touch $@
 
 clean:
