@@ -90,7 +90,6 @@ def simulate(
     from spheredrive.io.files import require_no_input
     from spheredrive.io.motion_file import load_motion
     from spheredrive.io.results import require_writable, write_run
-    from spheredrive.simulation.compliant.overview import compliant_overview
     from spheredrive.simulation.overview import overview
     from spheredrive.simulation.simulate import simulate_run
 
@@ -101,7 +100,12 @@ def simulate(
     try:
         with _progress("Simulating") as watch:
             run, dataset = simulate_run(loaded, asked, model, watch=watch)
-        result = compliant_overview(loaded, run) if model == "compliant" else overview(loaded, run, model)
+        if model == "compliant":
+            from spheredrive.simulation.compliant.overview import compliant_overview
+
+            result = compliant_overview(loaded, run)
+        else:
+            result = overview(loaded, run, model)
         write_run(dataset, output)
     except KeyboardInterrupt:
         _note(f"Stopped: {output} is not written.")

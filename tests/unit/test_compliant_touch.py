@@ -190,7 +190,15 @@ def test_derivatives_are_those_of_the_forces(name, law):
 
 # A step of implicit Euler made linear: (1/h − J) k = f, y₁ = y + k.
 EULER = methods.Method(
-    1.0, np.zeros((1, 1)), np.zeros((1, 1)), alpha=np.zeros(1), gammas=np.zeros(1), m=np.ones(1), e=np.zeros(1), order=1
+    1.0,
+    np.zeros((1, 1)),
+    np.zeros((1, 1)),
+    alpha=np.zeros(1),
+    gammas=np.zeros(1),
+    m=np.ones(1),
+    e=np.zeros(1),
+    order=1,
+    dense=np.zeros((2, 1)),
 )
 
 

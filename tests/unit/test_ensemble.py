@@ -163,7 +163,7 @@ def test_command_goes_on_where_it_was_stopped(atlas, tmp_path, monkeypatch):
         ensemble_command(atlas, quick, tmp_path / "a", ALL, 4, 1, stop)
     assert not (tmp_path / "a" / "ensemble.nc").exists()
     ran = []
-    monkeypatch.setattr(room, "members", lambda *given, f=room.members: ran.append(given[-1]) or f(*given))
+    monkeypatch.setattr(room, "members", lambda *given, f=room.members, **rest: ran.append(given[-1]) or f(*given, **rest))
     found = ensemble_command(atlas, quick, tmp_path / "a", ALL, 4, 1)
     assert ran == [range(2, 4)]
     ensemble_command(atlas, quick, tmp_path / "b", ALL, 4, 1)

@@ -62,7 +62,7 @@ def ensemble(
         numbers = range(first, min(first + chunk, count))
         found = _kept(store, first // chunk, numbers)
         if found is None:
-            found = list(members(design, asked, spread, seed, accuracy, drawn, numbers, device))
+            found = list(members(design, asked, spread, seed, accuracy, drawn, numbers, device=device))
             _keep(store, first // chunk, numbers, found)
         rows += found
         watch(len(rows) / count)
