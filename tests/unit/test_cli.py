@@ -241,7 +241,15 @@ def test_simulate_stopped_by_ctrl_c_exits_130_and_leaves_no_file(tmp_path):
     motion = motion_file(tmp_path, inputs.replace("5]", "20000]", 1), duration="20000 s")
     motion.write_text(motion.read_text(encoding="utf-8") + '[output]\nsample_rate = "1 Hz"\n', encoding="utf-8")
     words = [str(PROGRAM), "simulate", str(sd.design_path("atlas-dual-race")), str(motion)]
-    process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # Under a shell's "&" SIGINT is ignored, and children inherit that.
+    process = subprocess.Popen(
+        words,
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
     # Long enough to have started on a busy machine, whose imports take their time.
     time.sleep(5.0)
     assert process.poll() is None
