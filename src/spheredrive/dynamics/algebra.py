@@ -6,26 +6,26 @@ calls them can use vector instructions.
 
 from __future__ import annotations
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def add(a, s, b):
     """a + s b."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def times(M, a):
     """M a."""
     return (
@@ -35,7 +35,7 @@ def times(M, a):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def add_dyad(M, s, a):
     """M + s a aᵀ."""
     return (
@@ -44,7 +44,7 @@ def add_dyad(M, s, a):
     )  # fmt: skip
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def inverse(M):
     """M⁻¹, and whether there is one."""
     c00, c01, c02 = M[3] * M[5] - M[4] * M[4], M[2] * M[4] - M[1] * M[5], M[1] * M[4] - M[2] * M[3]
@@ -56,7 +56,7 @@ def inverse(M):
     return (f * c00, f * c01, f * c02, f * c11, f * c12, f * c22), fine
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def rotation_rows(q):
     """Rows of the rotation matrix of a quaternion (scalar first) of any length."""
     w, a, b, c = q
@@ -68,7 +68,7 @@ def rotation_rows(q):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def quaternion_rate(Omega, q):
     """q̇ = ½ (0, Ω) ∘ q."""
     w, v = q[0], (q[1], q[2], q[3])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import kernel
 from spheredrive.dynamics.algebra import cross, dot, rotation_rows, times
 from spheredrive.dynamics.compliant.instant import row_vector, symmetric, vector
 from spheredrive.dynamics.compliant.layout import (
@@ -36,7 +36,7 @@ from spheredrive.dynamics.compliant.layout import (
 )
 
 
-@njit(error_model="numpy")
+@kernel
 def energies(y, body, wheels, stations, outlines):
     """Kinetic energy of all that moves, and potential energy of weight, closure and mounts, J.
 
@@ -80,7 +80,7 @@ def energies(y, body, wheels, stations, outlines):
     return kinetic, potential
 
 
-@njit(error_model="numpy")
+@kernel
 def energies_over_time(states, body, wheels, stations, outlines, out):
     """``energies`` of each row of ``states`` (k, size) into ``out`` (k, 2)."""
     for k in range(states.shape[0]):

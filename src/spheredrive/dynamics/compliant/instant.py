@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.algebra import cross, dot, quaternion_rate, rotation_rows, times
 from spheredrive.dynamics.compliant.layout import (
     ANGLE,
@@ -67,25 +67,25 @@ from spheredrive.dynamics.compliant.station import (
 )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def vector(a, i):
     """Three entries of a flat array from i on."""
     return a[i], a[i + 1], a[i + 2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def row_vector(a, i):
     """First three entries of row ``i``."""
     return a[i, 0], a[i, 1], a[i, 2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def symmetric(a, i):
     """Six entries of a flat array from i on."""
     return a[i], a[i + 1], a[i + 2], a[i + 3], a[i + 4], a[i + 5]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def into(stations, s, a):
     """A vector of the inertial frame in the frame of station ``s``."""
     return (
@@ -95,7 +95,7 @@ def into(stations, s, a):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def out_of(stations, s, a, b, c):
     """A vector of the frame of station ``s`` in the inertial frame."""
     return (
@@ -105,7 +105,7 @@ def out_of(stations, s, a, b, c):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def turned_inertia(rows, I):
     """R I Rᵀ of a symmetric matrix, R given by its rows."""
     a, b, c = times(I, rows[0]), times(I, rows[1]), times(I, rows[2])
@@ -114,7 +114,7 @@ def turned_inertia(rows, I):
     )  # fmt: skip
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def solve_3(M, b):
     """x of M x = b, M symmetric and positive definite, by Cramer's rule."""
     c00, c01, c02 = M[3] * M[5] - M[4] * M[4], M[2] * M[4] - M[1] * M[5], M[1] * M[4] - M[2] * M[3]
@@ -127,7 +127,7 @@ def solve_3(M, b):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def motor_torque(wheels, i, drive_kind, asked, speed, loop_angle):
     """Torque of a motor that is not ideal, and whether it stands at its limit.
 
@@ -144,7 +144,7 @@ def motor_torque(wheels, i, drive_kind, asked, speed, loop_angle):
     return torque, False
 
 
-@njit(error_model="numpy")
+@kernel
 def rates(
     y, drive, drive_slope, stage_input, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting,
@@ -261,13 +261,13 @@ def rates(
             power[STAGE_WORK] += P_j * y[STAGE_VELOCITY + j]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _mount_force(stations, s, y, at, pressing):
     """Force on a wheel's mass along n̂, m (Δ̈ + n̂·p̈_l)."""
     return -stations[s, MOUNT_STIFFNESS] * y[at + DEFLECTION] - stations[s, MOUNT_DAMPING] * y[at + DEFLECTION_RATE] - pressing
 
 
-@njit(error_model="numpy")
+@kernel
 def _sphere_acceleration(y, F, M, stage, body):
     """c̈ and Ω̇ from the force and the moment about the geometric centre, and the mass centre ρ in the inertial frame.
 
@@ -307,7 +307,7 @@ def _sphere_acceleration(y, F, M, stage, body):
     return (A[0] - about[0] - stage[0], A[1] - about[1] - stage[1], A[2] - about[2] - stage[2]), angular, rho
 
 
-@njit(error_model="numpy")
+@kernel
 def _free_rollers(s, i, wheels, stations, outlines, spins, rollers, power):
     """Rollers with inertia that touch nothing run out on their bearings."""
     from_outline = int(stations[s, FIRST_OUTLINE])

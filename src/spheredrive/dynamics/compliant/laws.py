@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def normal_force(depth, rate, stiffness, damping, dissipation, hertzian):
     """N, its derivatives by depth and rate, and the part of it that stores energy.
 
@@ -24,7 +24,7 @@ def normal_force(depth, rate, stiffness, damping, dissipation, hertzian):
     return N, slope * damped, elastic * dissipation + damping, elastic
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def friction(N, s, t, mu, creep):
     """Friction T against the slip s and E against the slip t, across each other, and their derivatives by N, s and t.
 
@@ -39,7 +39,7 @@ def friction(N, s, t, mu, creep):
     )  # fmt: skip
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def drag(N, t, mu, resistance):
     """Force E of a roller's bearing against the speed t across its axis, and its derivatives by N and t.
 

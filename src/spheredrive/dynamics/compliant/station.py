@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.algebra import dot
 from spheredrive.dynamics.compliant.laws import drag, friction, normal_force
 from spheredrive.dynamics.compliant.layout import (
@@ -52,7 +52,7 @@ HELD, ROLLER_STATION = 30, 31
 ROLLER_SIZE = 32
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _rows(touch, d, R):
     """Arm of the sphere, the contact point, and (torque row by ω) of the normal, û and f̂."""
     G, u, f = (touch[1], touch[2], touch[3]), (touch[4], touch[5], touch[6]), (touch[7], touch[8], touch[9])
@@ -61,13 +61,13 @@ def _rows(touch, d, R):
     return G, u, f, arm, point
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _about_axis(a, b):
     """ẑ · (a × b) = b · (ẑ × a)."""
     return a[0] * b[1] - a[1] * b[0]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def station_forces(
     st, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
     d, d_rate, Omega, theta, omega, derive, gh, wrenches, touches, rollers, K, D,
@@ -194,7 +194,7 @@ def station_forces(
         _by_angle(st, wrenches, d, d_rate, Omega, K, D)
 
 
-@njit(error_model="numpy")
+@kernel
 def _derive(
     st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
     T_N, E_N, T_s, T_t, E_s, E_t, t, spin, F, turning, inertia, bearing, gh, rollers, index, K, D,
@@ -283,7 +283,7 @@ def _derive(
         rollers[index, E_ROW + 10] = -_about_axis(d, by_d) - _about_axis(d_rate, by_v) - _about_axis(Omega, by_O)
 
 
-@njit(error_model="numpy")
+@kernel
 def _resist(
     st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, d_rate, touch, derive, K, D
 ):  # fmt: skip
@@ -339,7 +339,7 @@ def _resist(
     return (pressed * m[0], pressed * m[1], pressed * m[2]), -pressed * dot(m, w)
 
 
-@njit(error_model="numpy")
+@kernel
 def _by_angle(st, wrenches, d, d_rate, Omega, K, D):
     """The derivative by ϑ: sphere and wheel turned together about the axis turn the wrench with them."""
     z_d, z_v, z_O = (-d[1], d[0]), (-d_rate[1], d_rate[0]), (-Omega[1], Omega[0])

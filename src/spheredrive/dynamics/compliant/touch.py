@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.compliant.layout import (
     AXIS_DISTANCE,
     BARREL,
@@ -43,7 +43,7 @@ from spheredrive.dynamics.compliant.layout import (
 )
 
 
-@njit(error_model="numpy")
+@kernel
 def barrel_place(w, sigma, r_b, a, S2):
     """The place s at which a barrel ρ = r_b − √(a² + s² sin² α) is nearest to (w, σ): σ − s + ρ′ ℓ = 0, by Newton."""
     s = a * sigma / (a + w * S2)
@@ -58,7 +58,7 @@ def barrel_place(w, sigma, r_b, a, S2):
     return s
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     """Touch of the roller whose middle stands at β, cos β and sin β given; (x, y, z) is the sphere's centre."""
     a, S, C = outlines[o, AXIS_DISTANCE], outlines[o, SINE], outlines[o, COSINE]
@@ -129,7 +129,7 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def ring_piece(angle, piece, pieces):
     """The row of ``pieces`` that holds ``angle``: in the smooth stretch that ``piece`` is in, whose ends reach on."""
     first, last = int(pieces[piece, STRETCH_BEGIN]), int(pieces[piece, STRETCH_END])
@@ -142,7 +142,7 @@ def ring_piece(angle, piece, pieces):
     return first
 
 
-@njit(error_model="numpy")
+@kernel
 def ring_touch(outlines, o, x, y, z, angle, piece, turn, pieces, R):
     """Touch of a ring of radius r_w − r_r and cross-section r_r at the wheel's ``angle``.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.compliant.energy import energies
 from spheredrive.dynamics.compliant.instant import into, rates, vector
 from spheredrive.dynamics.compliant.layout import (
@@ -61,7 +61,7 @@ SHORTEST_LANDING = 1e-9
 LANDED, LANDINGS = 1e-11, 12
 
 
-@njit(error_model="numpy")
+@kernel
 def ring_angle(o, s, y, n, stations, turns):
     """The place of a ring's outline that faces the sphere's centre, ϑ − ζ, brought into its period."""
     i = int(stations[s, STATION_WHEEL])
@@ -71,14 +71,14 @@ def ring_angle(o, s, y, n, stations, turns):
     return y[WHEELS + WHEEL_STATES * i + ANGLE] - math.atan2(here[1], x) - turns[o]
 
 
-@njit(error_model="numpy")
+@kernel
 def stretch_ends(piece, pieces):
     """Begin and end of the smooth stretch that a piece belongs to."""
     first, last = int(pieces[piece, STRETCH_BEGIN]), int(pieces[piece, STRETCH_END])
     return pieces[first, PIECE_BEGIN], pieces[last, PIECE_BEGIN] + pieces[last, PIECE_WIDTH]
 
 
-@njit(error_model="numpy")
+@kernel
 def settle(y, n, stations, outlines, pieces, places, turns):
     """Bring every ring whose outline has passed a corner, or stands on one that it moves over, into its next stretch.
 
@@ -120,7 +120,7 @@ def settle(y, n, stations, outlines, pieces, places, turns):
     return moved
 
 
-@njit(error_model="numpy")
+@kernel
 def share_before_corner(y0, y1, n, stations, outlines, pieces, places, turns):
     """Share of a step after which the first ring comes to a corner; 1 where none does."""
     share = 1.0
@@ -138,7 +138,7 @@ def share_before_corner(y0, y1, n, stations, outlines, pieces, places, turns):
     return share
 
 
-@njit(error_model="numpy")
+@kernel
 def longest_step(y, n, stations, outlines, most):
     """A step in which no wheel passes more than a share of its rollers' pitch."""
     for s in range(stations.shape[0]):
@@ -150,7 +150,7 @@ def longest_step(y, n, stations, outlines, most):
     return most
 
 
-@njit(error_model="numpy")
+@kernel
 def finite(y):
     """Whether every entry is a number."""
     total = 0.0
@@ -159,7 +159,7 @@ def finite(y):
     return total == 0.0
 
 
-@njit(error_model="numpy", nogil=True)
+@kernel
 def advance(
     body, wheels, stations, outlines, pieces, drive_kind, stage_kind, inputs, samples, method, stages, order, control,
     weights, y, clock, counters, works, places, turns, acting, touching,
@@ -387,7 +387,7 @@ def advance(
     return status
 
 
-@njit(error_model="numpy")
+@kernel
 def _roller_stations(stations, outlines, rollers):
     for s in range(stations.shape[0]):
         first = int(stations[s, FIRST_OUTLINE])
@@ -397,7 +397,7 @@ def _roller_stations(stations, outlines, rollers):
                 rollers[k, ROLLER_STATION] = s
 
 
-@njit(error_model="numpy")
+@kernel
 def _at(
     later, y, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
     outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
@@ -414,7 +414,7 @@ def _at(
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def _powers(power, touches, out):
     for p in range(POWERS):
         out[p] = power[p]
@@ -422,7 +422,7 @@ def _powers(power, touches, out):
         out[POWERS + o] = touches[o, SLIP_POWER]
 
 
-@njit(error_model="numpy")
+@kernel
 def station_gaps(stations, touches, out):
     """The least gap of each station."""
     for s in range(stations.shape[0]):
@@ -432,7 +432,7 @@ def station_gaps(stations, touches, out):
             out[s] = min(out[s], touches[o, GAP])
 
 
-@njit(error_model="numpy")
+@kernel
 def _least_coming(touches):
     """The least gap of all rollers that do not act yet."""
     least = 1e300
@@ -441,7 +441,7 @@ def _least_coming(touches):
     return least
 
 
-@njit(error_model="numpy")
+@kernel
 def _take_up(touches, acting):
     """Let rollers act that stand in the sphere; whether there were any."""
     found = False
@@ -452,7 +452,7 @@ def _take_up(touches, acting):
     return found
 
 
-@njit(error_model="numpy")
+@kernel
 def _stored(wrenches):
     """Elastic energy of all contacts."""
     total = 0.0
@@ -461,7 +461,7 @@ def _stored(wrenches):
     return total
 
 
-@njit(error_model="numpy")
+@kernel
 def _gained(h, powers):
     """Works less losses over a step of length h."""
     total = 0.0
@@ -470,7 +470,7 @@ def _gained(h, powers):
     return total
 
 
-@njit(error_model="numpy")
+@kernel
 def _moved(h, powers):
     """Energy that moves in a step of length h, whatever its sign."""
     total = 0.0
@@ -479,14 +479,14 @@ def _moved(h, powers):
     return total
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _worked(x, h, powers, p):
     """∫ of the parabola through the powers at begin, middle and end, up to the share x of the step."""
     a, b, c = powers[0, p], powers[1, p], powers[2, p]
     return h * x * (a + x * (0.5 * (4.0 * b - 3.0 * a - c) + x * (2.0 / 3.0) * (a - 2.0 * b + c)))
 
 
-@njit(error_model="numpy")
+@kernel
 def _keep(
     k, y, rate, motors, touches, wrenches, works, kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works
 ):  # fmt: skip

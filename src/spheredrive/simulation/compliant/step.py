@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.algebra import cross, dot, quaternion_rate, times
 from spheredrive.dynamics.compliant.instant import into, motor_torque, out_of, rates, row_vector, symmetric, vector
 from spheredrive.dynamics.compliant.layout import (
@@ -56,7 +56,7 @@ from spheredrive.dynamics.compliant.station import (
 from spheredrive.simulation.compliant.arrow import assemble, mass_frame, solve
 
 
-@njit(error_model="numpy")
+@kernel
 def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, wheels, stations, out):
     """∂f/∂t into ``out``: what the inputs change by themselves."""
     n = wheels.shape[0]
@@ -82,7 +82,7 @@ def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, whee
             out[at + DEFLECTION_RATE] = -dot(row_vector(stations, s), jerk)
 
 
-@njit(error_model="numpy")
+@kernel
 def solve_stage(
     y, r, k, gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, pushes,
     H, by_turn, to_own, from_own, own, b, x, b_own, z,
@@ -205,7 +205,7 @@ def solve_stage(
         k[at_rollers + q] = (inertia * r[at_rollers + q] - rollers[q, LEVER] * pull) / rollers[q, HELD]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _turn_by_right_side(y, r, gh):
     """The turn k_θ = 2 vec(k_q∘q*) that the quaternion's own right side makes, whatever k_Ω: of b = r_q∘q*."""
     Omega, q, v = vector(y, OMEGA), y[QUATERNION], vector(y, QUATERNION + 1)
@@ -226,7 +226,7 @@ def _turn_by_right_side(y, r, gh):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _quaternion_stage(y, r, k, k_O, gh):
     """k_q of (1/(γh) − ½ [Ω∘]) k_q = r_q + ½ k_Ω∘q, as [Ω∘]² = −|Ω|²."""
     Omega, q = vector(y, OMEGA), (y[QUATERNION], y[QUATERNION + 1], y[QUATERNION + 2], y[QUATERNION + 3])
@@ -239,7 +239,7 @@ def _quaternion_stage(y, r, k, k_O, gh):
         k[QUATERNION + j] = share * (f * b[j] + turned[j])
 
 
-@njit(error_model="numpy")
+@kernel
 def trial(
     y, f0, h, drive, drive_slope, stage_input, stage_slope, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
@@ -336,7 +336,7 @@ def trial(
     return worst
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _equal(method, s, stages):
     """Whether stage s stands where the one before it does."""
     for j in range(stages):
@@ -345,7 +345,7 @@ def _equal(method, s, stages):
     return method[1 + s, 2 * stages] == method[s, 2 * stages]
 
 
-@njit(error_model="numpy")
+@kernel
 def between(share, h, y0, f0, y1, f1, ks, method, stages, n, m, out):
     """The state at ``share`` of a step of length h with the stages ``ks``.
 
@@ -377,7 +377,7 @@ def between(share, h, y0, f0, y1, f1, ks, method, stages, n, m, out):
     normalise(out)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _extended(x, y0, y1, ks, method, stages, i, out):
     """Entry i by the continuous extension."""
     d = g = 0.0
@@ -387,7 +387,7 @@ def _extended(x, y0, y1, ks, method, stages, i, out):
     out[i] = (1.0 - x) * y0[i] + x * (y1[i] + (1.0 - x) * (d + x * g))
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _quintic(x, h, y0, f0, y1, f1, q, v, out):
     p0, p1, d0, d1 = y0[q], y1[q], h * y0[v], h * y1[v]
     c0, c1 = 0.5 * h * h * f0[v], 0.5 * h * h * f1[v]
@@ -398,7 +398,7 @@ def _quintic(x, h, y0, f0, y1, f1, q, v, out):
     out[v] = (d0 + x * (2.0 * c0 + x * (3.0 * a + x * (4.0 * b + x * 5.0 * c)))) / h
 
 
-@njit(error_model="numpy")
+@kernel
 def normalise(y):
     """Bring the quaternion of a state back to length 1."""
     size = 0.0
