@@ -29,7 +29,7 @@ import numpy as np
 from spheredrive.design import Contact, Design, Placement, Sphere, Stage
 from spheredrive.dynamics.compliant import layout as at
 from spheredrive.dynamics.compliant.instant import rates
-from spheredrive.dynamics.compliant.station import ROLLER_SIZE, TOUCH_SIZE, WRENCH_SIZE
+from spheredrive.dynamics.compliant.station import ALL, FORCES, ROLLER_SIZE, TOUCH_SIZE, WRENCH_SIZE
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.compliant.methods import METHODS
 from spheredrive.simulation.compliant.run import Accuracy, run_compliant, run_compliant_batch
@@ -86,7 +86,7 @@ def right_hand_side(design, motion):
     run = run_compliant(design, replace(motion, duration=0.02))
     m, start = run.machine, run.states[0]
     n, q, s = len(m.wheels), len(m.outlines), len(m.stations)
-    drive, none, push, acting = motion.series.at(0.0), np.zeros(n), np.zeros(3), np.full(q, -1)
+    drive, none, push, acting = motion.series.at(0.0), np.zeros(n), np.zeros(3), np.full(q, ALL)
     turns, out = np.zeros(q), np.zeros(len(start))
     power, motors, wrenches, touches = np.zeros(at.POWERS), np.zeros(n), np.zeros((s, WRENCH_SIZE)), np.zeros((q, TOUCH_SIZE))
     rollers, K, D = np.zeros((m.rollers, ROLLER_SIZE)), np.zeros((s, 7, 4)), np.zeros((s, 7, 7))
@@ -94,7 +94,7 @@ def right_hand_side(design, motion):
     def rate(_, y):
         rates(
             y, drive, none, push, at.SPEED, at.STILL, m.body, m.wheels, m.stations, m.outlines, m.pieces, m.places, turns,
-            acting, False, 1.0, out, power, motors, wrenches, touches, rollers, K, D,
+            acting, FORCES, 1.0, out, power, motors, wrenches, touches, rollers, K, D,
         )  # fmt: skip
         return out.copy()
 

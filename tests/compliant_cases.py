@@ -12,7 +12,7 @@ from spheredrive.dynamics.compliant import layout as at
 from spheredrive.dynamics.compliant.energy import energies
 from spheredrive.dynamics.compliant.instant import rates
 from spheredrive.dynamics.compliant.machine import Machine, machine
-from spheredrive.dynamics.compliant.station import ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
+from spheredrive.dynamics.compliant.station import ALL, DERIVATIVES, ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.compliant import run as run_module
 from spheredrive.simulation.compliant.engine import settle
@@ -82,7 +82,7 @@ def everything(wheel, law: str = "linear") -> Design:
 
 
 def evaluate(
-    m: Machine, y, places=None, turns=None, drive=None, slope=None, kind=at.TORQUE, stage=None, stage_kind=at.STILL, acting=-1
+    m: Machine, y, places=None, turns=None, drive=None, slope=None, kind=at.TORQUE, stage=None, stage_kind=at.STILL, acting=ALL
 ) -> Instant:
     """Rates and forces in the state ``y``; every roller that stands in the sphere acts unless ``acting`` says otherwise."""
     n, q = len(m.wheels), len(m.outlines)
@@ -94,7 +94,7 @@ def evaluate(
     )  # fmt: skip
     rates(
         y, *(np.zeros(k) if x is None else np.asarray(x, float) for x, k in ((drive, n), (slope, n), (stage, 3))),
-        kind, stage_kind, m.body, m.wheels, m.stations, m.outlines, m.pieces, places, turns, np.full(q, acting), True, 1.0,
+        kind, stage_kind, m.body, m.wheels, m.stations, m.outlines, m.pieces, places, turns, np.full(q, acting), DERIVATIVES, 1.0,
         *found[:5], np.zeros((m.rollers, ROLLER_SIZE)), *found[5:],
     )  # fmt: skip
     return found

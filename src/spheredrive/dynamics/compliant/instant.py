@@ -144,17 +144,17 @@ def motor_torque(wheels, i, drive_kind, asked, speed, loop_angle):
     return torque, False
 
 
-@kernel
+@inlined
 def rates(
     y, drive, drive_slope, stage_input, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting,
-    derive, gh, rate, power, motors, wrenches, touches, rollers, K, D,
+    detail, gh, rate, power, motors, wrenches, touches, rollers, K, D,
 ):  # fmt: skip
     """Fill ``rate``, the derivative of the state ``y`` by time, ``power`` and the ``motors``' torques.
 
     drive, drive_slope   torque (N m) or speed (rad/s) asked of each wheel, and how it changes a second
     stage_input          force P on the stage (N) or its acceleration (m/s²)
-    derive, gh           as for ``station_forces``
+    detail, gh           as for ``station_forces``
     """
     n, m = wheels.shape[0], stations.shape[0]
     at_stations = WHEELS + WHEEL_STATES * n
@@ -174,7 +174,7 @@ def rates(
         d_rate = (moving[0] - y[at + DEFLECTION_RATE], moving[1], moving[2])
         station_forces(
             s, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
-            d, d_rate, turning, y[w_at + ANGLE], y[w_at + SPEED_OF_WHEEL], derive, gh, wrenches, touches, rollers, K, D,
+            d, d_rate, turning, y[w_at + ANGLE], y[w_at + SPEED_OF_WHEEL], detail, gh, wrenches, touches, rollers, K, D,
         )  # fmt: skip
         f = out_of(stations, s, wrenches[s, 0], wrenches[s, 1], wrenches[s, 2])
         g = out_of(stations, s, wrenches[s, 3], wrenches[s, 4], wrenches[s, 5])

@@ -11,17 +11,15 @@ from spheredrive.compiled import inlined
 def normal_force(depth, rate, stiffness, damping, dissipation, hertzian):
     """N, its derivatives by depth and rate, and the part of it that stores energy.
 
-        N = max(0, K depth^p (1 + χ rate) + C rate),   p = 1, or 3/2 after Hertz
+        N = K depth^p (1 + χ rate) + C rate,   p = 1, or 3/2 after Hertz
 
-    ``depth`` > 0 of penetration (m) and its ``rate`` (m/s). χ is Hunt's and Crossley's: such damping begins at nothing.
+    ``depth`` of penetration (m) and its ``rate`` (m/s). χ is Hunt's and Crossley's: such damping begins at nothing. A contact
+    does not pull: who asks ends it where N falls to zero. Beyond, where depth falls below zero, the law goes on smoothly.
     """
-    root = math.sqrt(depth) if hertzian else 1.0
+    root = math.sqrt(abs(depth)) if hertzian else 1.0
     elastic, slope = stiffness * depth * root, (1.5 if hertzian else 1.0) * stiffness * root
     damped = 1.0 + dissipation * rate
-    N = elastic * damped + damping * rate
-    if N <= 0.0:
-        return 0.0, 0.0, 0.0, elastic
-    return N, slope * damped, elastic * dissipation + damping, elastic
+    return elastic * damped + damping * rate, slope * damped, elastic * dissipation + damping, elastic
 
 
 @inlined
@@ -43,11 +41,11 @@ def friction(N, s, t, mu, creep):
 def drag(N, t, mu, resistance):
     """Force E of a roller's bearing against the speed t across its axis, and its derivatives by N and t.
 
-    E = −c t/√(1 + (c t/(μ N))²): the drag of a roller without inertia, never more than friction turns it with.
+    E = −c t μN/√((μN)² + (c t)²): the drag of a roller without inertia, never more than friction turns it with.
     """
     asked, most = resistance * t, mu * N
-    if asked == 0.0 or most == 0.0:
-        return 0.0, 0.0, (0.0 if most == 0.0 else -resistance)
-    ratio = asked / most
-    root = math.sqrt(1.0 + ratio * ratio)
-    return -asked / root, -mu * ratio * ratio * ratio / (root * root * root), -resistance / (root * root * root)
+    whole = math.sqrt(asked * asked + most * most)
+    if whole == 0.0:
+        return 0.0, 0.0, 0.0
+    a, b = asked / whole, most / whole
+    return -asked * b, -mu * a * a * a, -resistance * b * b * b

@@ -42,10 +42,15 @@ from spheredrive.dynamics.compliant.touch import ring_touch, roller_touch
 FORCE, MOMENT, WHEEL_TORQUE = 0, 3, 6
 SLIP_HEAT, DAMPING_HEAT, OTHER_HEAT, STORED, PRESSED = 7, 8, 9, 10, 11
 WRENCH_SIZE = 12
-# What an outline's row of ``touches`` holds: forces, slip speed and gap of its rollers together; the least gap of those that
-# do not act yet, and which that is; and the bits of those that act and stand clear of the sphere.
-NORMAL, TANGENTIAL, SLIP, GAP, SLIP_POWER, LARGEST, COMING, COMING_ROLLER, LEAVING = range(9)
+# What an outline's row of ``touches`` holds: forces, slip speed and gap of its rollers together, and the bits of those that
+# are to act from now on and of those that are to act no more. TO_EVENT is above zero where there are none, and comes to zero
+# when the next one is there, m.
+NORMAL, TANGENTIAL, SLIP, GAP, SLIP_POWER, LARGEST, TO_EVENT, COMING, LEAVING = range(9)
 TOUCH_SIZE = 9
+# What is asked of ``station_forces``: wrenches alone; touches too; derivatives too.
+FORCES, TOUCHES, DERIVATIVES = range(3)
+# In ``acting``: every roller that presses the sphere.
+ALL = -1
 # What a turning roller's row of ``rollers`` holds: its rate; then, where it touches, what eliminates it from a step.
 SPIN_RATE, TOUCHING, LEVER, T_SPIN, E_SPIN, E_ROW, T_JACOBIAN, E_JACOBIAN = 0, 1, 2, 3, 4, 5, 16, 23
 HELD, ROLLER_STATION = 30, 31
@@ -70,7 +75,7 @@ def _about_axis(a, b):
 @inlined
 def station_forces(
     st, i, body, wheels, stations, outlines, pieces, places, turns, acting, spins,
-    d, d_rate, Omega, theta, omega, derive, gh, wrenches, touches, rollers, K, D,
+    d, d_rate, Omega, theta, omega, detail, gh, wrenches, touches, rollers, K, D,
 ):  # fmt: skip
     """Fill in what station ``st`` of wheel ``i`` does: its row of ``wrenches``, its outlines' of ``touches``.
 
@@ -79,10 +84,12 @@ def station_forces(
     d, d_rate    sphere's centre from the wheel's, and its rate, in the station's frame
     theta        the wheel's angle with phase
     places, turns   piece that each ring's outline is on, and the angle that brings it there
-    acting       a bit for each roller of an outline, its number modulo 32: only those that are set act, so that a step is
-                 smooth to its end, where a roller that has come to touch is set
+    acting       a bit for each roller of an outline, its number modulo 32. Those that are set act, whatever their gap and even
+                 if they pull, no others: so a step is smooth, and ends where one comes to press or ceases to. ``ALL``: those
+                 that press
     spins        speed of each roller about its own axis
-    derive       also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
+    detail       ``FORCES``: wrenches, the rest of ``touches`` is left as it is; ``TOUCHES``: none pulls there; ``DERIVATIVES``:
+                 also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
     gh           γ h of the step, which rollers with inertia are eliminated with
     """
     R, creep, turn_speed = body[RADIUS], body[CREEP_SPEED], body[TURN_SPEED]
@@ -91,7 +98,7 @@ def station_forces(
     slip_heat = damping_heat = other_heat = stored = whole = 0.0
     stiffness, damping, dissipation = stations[st, STIFFNESS], stations[st, DAMPING], stations[st, DISSIPATION]
     hertzian, rolling_arm, spin_arm = stations[st, HERTZIAN] > 0.0, stations[st, ROLLING_ARM], stations[st, SPIN_ARM]
-    if derive:
+    if detail == DERIVATIVES:
         for r in range(7):
             for j in range(7):
                 D[st, r, j] = 0.0
@@ -99,10 +106,11 @@ def station_forces(
                 K[st, r, j] = 0.0
     first = int(stations[st, FIRST_OUTLINE])
     for o in range(first, first + int(stations[st, OUTLINE_COUNT])):
-        for j in range(TOUCH_SIZE):
-            touches[o, j] = 0.0
-        touches[o, GAP] = touches[o, COMING] = 1e300
-        ring = outlines[o, KIND] == RING
+        if detail != FORCES:
+            for j in range(TOUCH_SIZE):
+                touches[o, j] = 0.0
+            touches[o, GAP] = touches[o, TO_EVENT] = 1e300
+        every, ring = acting[o] == ALL, outlines[o, KIND] == RING
         # Rollers whose middles stand at β + k · pitch, of which those within reach are looked at.
         nearest, beta, low, high, pitch = 0.0, 0.0, 0, 0, outlines[o, PITCH]
         if not ring:
@@ -112,20 +120,22 @@ def station_forces(
             low, high = math.ceil((-farthest - beta) / pitch), math.floor((farthest - beta) / pitch)
         first_roller, count = int(outlines[o, FIRST_ROLLER]), int(outlines[o, ROLLER_COUNT])
         for k in range(low, high + 1):
+            # Roller number −nearest − k counts against the wheel's turning.
+            number = 0 if ring else int(nearest - k) & 31
+            acts = not every and (acting[o] >> number) & 1 != 0
+            if detail == FORCES and not (acts or every):
+                continue
             if ring:
                 touch = ring_touch(outlines, o, d[0], d[1], d[2], theta, places[o], turns[o], pieces, R)
             else:
                 b = beta + k * pitch
-                touch = roller_touch(outlines, o, d[0], d[1], d[2], math.cos(b), math.sin(b), R)
+                touch = roller_touch(outlines, o, d[0], d[1], d[2], math.cos(b), math.sin(b), R, acts)
             gap = touch[0]
-            touches[o, GAP] = min(touches[o, GAP], gap)
-            number = 0 if ring else int(nearest - k) & 31
-            if not (acting[o] >> number) & 1:
-                if gap < touches[o, COMING]:
-                    touches[o, COMING], touches[o, COMING_ROLLER] = gap, number
-                continue
-            if gap >= 0.0:
-                touches[o, LEAVING] += float(1 << number)
+            if detail != FORCES:
+                touches[o, GAP] = min(touches[o, GAP], gap)
+            if not acts and gap >= 0.0:
+                if detail != FORCES:
+                    touches[o, TO_EVENT] = min(touches[o, TO_EVENT], gap)
                 continue
             G, u, f, arm, point = _rows(touch, d, R)
             steep = touch[17]
@@ -135,13 +145,31 @@ def station_forces(
             )  # fmt: skip
             gap_rate = steep * dot(G, U)
             N, N_depth, N_rate, elastic = normal_force(-gap, -gap_rate, stiffness, damping, dissipation, hertzian)
+            pulls = False
+            if not acts:
+                # One that moves in presses from the first touch on, one that moves out when damping holds it no more.
+                to_event = gap if gap_rate <= 0.0 else -N / stiffness
+                if detail != FORCES:
+                    touches[o, TO_EVENT] = min(touches[o, TO_EVENT], to_event)
+                    if to_event <= 0.0:
+                        touches[o, COMING] += float(1 << number)
+                pulls = not (every and N > 0.0)
+            elif detail != FORCES:
+                touches[o, TO_EVENT] = min(touches[o, TO_EVENT], N / stiffness)
+                if N < 0.0:
+                    touches[o, LEAVING] += float(1 << number)
+                    pulls = detail == TOUCHES
+            if pulls:
+                # What its spring still holds goes into its own damper.
+                stored += elastic * -gap * (0.4 if hertzian else 0.5)
+                damping_heat += elastic * gap_rate
+                continue
             pressed = N * steep
             s, t = dot(u, U) + arm * dot(f, Omega), dot(f, U) - arm * dot(u, Omega)
             lever = touch[16]
             turning = inertia > 0.0 and lever > 0.0 and count > 0
             spin, index = 0.0, 0
             if turning:
-                # Roller number −nearest − k counts against the wheel's turning.
                 index = first_roller + int(nearest - k) % count
                 spin = spins[index]
                 T, E, T_N, E_N, T_s, T_t, E_t = friction(pressed, s, t - lever * spin, mu, creep)
@@ -167,12 +195,13 @@ def station_forces(
             other_heat += bearing * spin * spin if turning else -E * t
             stored += elastic * -gap * (0.4 if hertzian else 0.5)
             whole += pressed
-            if pressed > touches[o, LARGEST]:
-                touches[o, LARGEST], touches[o, SLIP] = pressed, s
-            touches[o, NORMAL] += pressed
-            touches[o, TANGENTIAL] += T
-            touches[o, SLIP_POWER] -= T * s
-            if derive:
+            if detail != FORCES:
+                if pressed > touches[o, LARGEST]:
+                    touches[o, LARGEST], touches[o, SLIP] = pressed, s
+                touches[o, NORMAL] += pressed
+                touches[o, TANGENTIAL] += T
+                touches[o, SLIP_POWER] -= T * s
+            if detail == DERIVATIVES:
                 _derive(
                     st, G, u, f, arm, point, U, touch, d, d_rate, Omega, omega, N, pressed, N_depth, N_rate, T, E,
                     T_N, E_N, T_s, T_t, E_s, E_t, t, spin, F, turning, inertia, bearing, gh, rollers,
@@ -181,7 +210,7 @@ def station_forces(
             if rolling_arm > 0.0 or spin_arm > 0.0:
                 m, heat = _resist(
                     st, G, u, f, pressed, mu, rolling_arm, spin_arm, turn_speed, Omega, omega,
-                    steep * N_rate, steep * N_depth, d, d_rate, touch, derive, K, D,
+                    steep * N_rate, steep * N_depth, d, d_rate, touch, detail, K, D,
                 )  # fmt: skip
                 M_all = (M_all[0] + m[0], M_all[1] + m[1], M_all[2] + m[2])
                 torque -= m[2]
@@ -190,7 +219,7 @@ def station_forces(
     wrenches[st, 3], wrenches[st, 4], wrenches[st, 5] = M_all
     wrenches[st, WHEEL_TORQUE], wrenches[st, SLIP_HEAT], wrenches[st, DAMPING_HEAT] = torque, slip_heat, damping_heat
     wrenches[st, OTHER_HEAT], wrenches[st, STORED], wrenches[st, PRESSED] = other_heat, stored, whole
-    if derive:
+    if detail == DERIVATIVES:
         _by_angle(st, wrenches, d, d_rate, Omega, K, D)
 
 
@@ -212,7 +241,8 @@ def _derive(
         held = inertia / gh + bearing - lever * lever * E_t
         share_E = (inertia / gh + bearing) / held
         share_T = lever * lever * T_t / held
-    grow = pressed / N if N > 0.0 else 0.0
+    # What presses along Ĝ for each newton of N.
+    grow = steep
     for i in range(7):
         N_v = -N_rate * j_N[i]
         E_v = E_N * grow * N_v + E_s * j_T[i] + E_t * j_E[i]
@@ -285,7 +315,7 @@ def _derive(
 
 @kernel
 def _resist(
-    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, d_rate, touch, derive, K, D
+    st, G, u, f, pressed, mu, rolling, spinning, smooth, Omega, omega, N_rate, N_depth, d, d_rate, touch, detail, K, D
 ):  # fmt: skip
     """Moment of rolling and spin resistance on the sphere (``contact.resistance_moment``), and its heat; the wheel gets the
     opposite."""
@@ -296,7 +326,7 @@ def _resist(
     spin = math.sqrt(along * along + smooth * smooth)
     r, q = rolling / roll, mu * spinning * along / spin
     m = (-r * flat[0] - q * G[0], -r * flat[1] - q * G[1], -r * flat[2] - q * G[2])
-    if derive:
+    if detail == DERIVATIVES:
         spin_slope = pressed * mu * spinning * smooth * smooth / (spin * spin * spin)
         for i in range(3):
             for j in range(3):

@@ -45,8 +45,13 @@ from spheredrive.dynamics.compliant.layout import (
 
 @kernel
 def barrel_place(w, sigma, r_b, a, S2):
-    """The place s at which a barrel ρ = r_b − √(a² + s² sin² α) is nearest to (w, σ): σ − s + ρ′ ℓ = 0, by Newton."""
+    """The place s at which a barrel ρ = r_b − √(a² + s² sin² α) is nearest to (w, σ): σ − s + ρ′ ℓ = 0, by Newton.
+
+    Rollers across the wheel (sin α = 1) ask for the least sum of two distances, as a mirror does: there the first guess is it.
+    """
     s = a * sigma / (a + w * S2)
+    if S2 == 1.0:
+        return s
     for _ in range(20):
         Q, ell = math.sqrt(a * a + s * s * S2), math.sqrt(w * w + (sigma - s) * (sigma - s))
         slope, bend = -s * S2 / Q, -S2 * a * a / (Q * Q * Q)
@@ -59,8 +64,11 @@ def barrel_place(w, sigma, r_b, a, S2):
 
 
 @inlined
-def roller_touch(outlines, o, x, y, z, cosine, sine, R):
-    """Touch of the roller whose middle stands at β, cos β and sin β given; (x, y, z) is the sphere's centre."""
+def roller_touch(outlines, o, x, y, z, cosine, sine, R, acts):
+    """Touch of the roller whose middle stands at β, cos β and sin β given; (x, y, z) is the sphere's centre.
+
+    Of one that stands clear and does not act, no more than a gap that is no larger than it is.
+    """
     a, S, C = outlines[o, AXIS_DISTANCE], outlines[o, SINE], outlines[o, COSINE]
     ex, ey, ez = x - a * cosine, y - a * sine, z - outlines[o, OFFSET]
     Ax, Ay, Az = -S * sine, S * cosine, C
@@ -68,7 +76,7 @@ def roller_touch(outlines, o, x, y, z, cosine, sine, R):
     px, py, pz = ex - sigma * Ax, ey - sigma * Ay, ez - sigma * Az
     w = math.sqrt(px * px + py * py + pz * pz)
     nearest = w - outlines[o, THICKEST] - R
-    if not nearest < 0.0:
+    if not (nearest < 0.0 or acts):
         return (
             max(nearest, 1e-300),
             1.0,

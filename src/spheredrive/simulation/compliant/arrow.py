@@ -63,7 +63,7 @@ def invert(A, size):
     return True
 
 
-@kernel
+@inlined
 def mass_frame(y, body):
     """The sphere's inertia about its geometric centre and M_s ρ, in the inertial frame."""
     rows = rotation_rows((y[QUATERNION], y[QUATERNION + 1], y[QUATERNION + 2], y[QUATERNION + 3]))
@@ -72,7 +72,7 @@ def mass_frame(y, body):
     return I, (mass * dot(rows[0], rho), mass * dot(rows[1], rho), mass * dot(rows[2], rho))
 
 
-@kernel
+@inlined
 def assemble(
     y,
     f0,
@@ -198,7 +198,7 @@ def assemble(
     return invert(H, size)
 
 
-@kernel
+@inlined
 def _push_rows(s, gh, stations, K, pushes):
     """Fill a station's ``pushes``: its K by displacements in the inertial frame, of all that it acts on."""
     for j in range(5):
@@ -225,7 +225,7 @@ def _push_rows(s, gh, stations, K, pushes):
         pushes[s, 7, j] = -f[0]
 
 
-@kernel
+@inlined
 def _sphere_derivatives(y, f0, f, size, I, first, body, H, by_turn):
     """Add to ``H`` what the sphere's own rows change by with Ω and, through it, with the orientation; fill ``by_turn``.
 
@@ -281,7 +281,7 @@ def _hold(A, B, C, p):
         C[p, j] = 0.0
 
 
-@kernel
+@inlined
 def solve(size, wheels, H, to_own, from_own, own, b, x, b_own, z):
     """x (9,) and z (n, 3) from right sides b (9,) and b_own (n, 3)."""
     for i in range(wheels.shape[0]):

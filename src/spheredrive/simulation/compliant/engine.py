@@ -36,13 +36,15 @@ from spheredrive.dynamics.compliant.layout import (
 )
 from spheredrive.dynamics.compliant.station import (
     COMING,
-    COMING_ROLLER,
+    DERIVATIVES,
     GAP,
     LEAVING,
     ROLLER_STATION,
     SLIP_POWER,
     STORED,
+    TO_EVENT,
     TOUCH_SIZE,
+    TOUCHES,
 )
 from spheredrive.simulation.compliant.step import between, normalise, trial
 
@@ -55,9 +57,11 @@ SAMPLES_DONE, ACCEPTED, REJECTED, EVENTS = range(4)
 LIFTED, TOUCHED = 0, 1
 # A wheel passes this share of a roller's pitch in a step at most, so that no contact is stepped over.
 PITCH_SHARE = 0.1
-# Steps shorter than this, in s, are not made to meet a corner of an outline.
+# Steps shorter than this, in s, are not made to meet a corner of an outline or an event.
 SHORTEST_LANDING = 1e-9
-# A corner is met within this angle, rad, and in so many tries.
+# An event is known well enough within this time, s.
+EVENT_TIME = 1e-13
+# A corner is met within this angle, rad; corners and events in so many tries.
 LANDED, LANDINGS = 1e-11, 12
 
 
@@ -165,7 +169,7 @@ def advance(
     weights, y, clock, counters, works, places, turns, acting, touching,
     kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works, events, allowed,
     states, H, frame, sides, by_turn, pushes, to_own, from_own, own, own_sides, wrenches, touches, spins, Ks, Ds,
-    powers, gaps, drives, pushing, limited, leaving,
+    powers, gaps, drives, pushing, limited, coming,
 ):  # fmt: skip
     """Take a run on by ``allowed`` steps, or to its end; returns its status.
 
@@ -193,7 +197,7 @@ def advance(
     _roller_stations(stations, outlines, rollers_1)
     t, h, piece = clock[TIME], clock[STEP], int(clock[PIECE])
     sample, gamma, grown, energy = int(counters[SAMPLES_DONE]), method[0, 0], h, 0.0
-    fresh, refused, coming = True, clock[REFUSED] > 0.0, 0.0
+    fresh, refused, to_event = True, clock[REFUSED] > 0.0, 0.0
     status = RUNNING
     while allowed > 0:
         row = inputs[piece]
@@ -216,26 +220,26 @@ def advance(
             h = end - t
         if fresh or (turning > 0 and refused):
             while True:
-                rates(
+                _derived(
                     y, drive, drive_slope, stage, drive_kind, stage_kind, body, wheels, stations, outlines, pieces,
-                    places, turns, acting, True, gamma * h, f0, power, motors, wrenches, touches, rollers, K, D,
+                    places, turns, acting, gamma * h, f0, power, motors, wrenches, touches, rollers, K, D,
                 )  # fmt: skip
-                if not _take_up(touches, acting):
+                to_event = _least_to_event(touches)
+                if to_event >= 0.0:
                     break
+                _change(touches, acting)
             _powers(power, touches, powers[0])
             station_gaps(stations, touches, gaps[0])
             kinetic, potential = energies(y, body, wheels, stations, outlines)
             energy = kinetic + potential + _stored(wrenches)
-            coming = _least_coming(touches)
             if fresh and sample < samples.size and samples[sample] <= t + 1e-12 * (1.0 + t):
                 _keep(sample, y, f0, motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
                       kept_touches, kept_stored, kept_works)  # fmt: skip
                 sample += 1
             fresh = False
         allowed -= 1
-        # A step may be cut where a ring comes to a corner or a roller to the sphere: then ``whole`` keeps what it was.
-        whole, cut, tries = h, False, 0
-        early, early_gap, late, late_gap = 0.0, coming, -1.0, 0.0
+        # A step is cut where a ring comes to a corner: then ``whole`` keeps what it was.
+        whole, tries = h, 0
         while True:
             tries += 1
             wrong = trial(
@@ -244,46 +248,14 @@ def advance(
                 rollers, K, D, vectors, ks, H, frame, pushes, by_turn, b, x, to_own, from_own, own, b_own, z, wrenches,
                 touches, motors, power, spare, weights, y_new,
             )  # fmt: skip
-            if not wrong <= 1.0:
+            if not wrong <= 1.0 or tries == LANDINGS:
                 break
-            if tries < LANDINGS:
-                share = share_before_corner(y, y_new, n, stations, outlines, pieces, places, turns)
-                if share < 1.0 and share * h > SHORTEST_LANDING:
-                    h *= share
-                    last, cut, late = False, True, -1.0
-                    continue
-            normalise(y_new)
-            later = end if last else t + h
-            for i in range(n):
-                asked[i] = row[2 + i] + (later - row[0]) * drive_slope[i]
-            for j in range(3):
-                pushed[j] = row[2 + 2 * n + j] + (later - row[0]) * stage_slope[j]
-            # The step after this one, as it will be begun.
-            factor = 0.9 * wrong ** (-1.0 / order) if wrong > 0.0 else 5.0
-            grown = h * min(1.0 if refused else 5.0, max(0.2, factor))
-            if cut:
-                grown = max(grown, whole)
-            grown = longest_step(y_new, n, stations, outlines, min(grown, control[0]))
-            ahead = end - later if not last and later + grown * 1.0001 >= end else grown
-            rates(
-                y_new, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places,
-                turns, acting, True, gamma * ahead, f1, power, motors, wrenches, touches, rollers_1, K_1, D_1,
-            )  # fmt: skip
-            gap = _least_coming(touches)
-            landed = control[2]
-            if tries >= LANDINGS or (late < 0.0 and gap >= 0.0) or (gap < 0.0 and gap >= -landed):
+            share = share_before_corner(y, y_new, n, stations, outlines, pieces, places, turns)
+            if share == 1.0 or share * h <= SHORTEST_LANDING:
                 break
-            if gap < 0.0:
-                late, late_gap = h, gap
-            else:
-                early, early_gap = h, gap
-            # Aim a little behind the touch, so that the roller acts from the begin of the next step on.
-            share = (early_gap + 0.5 * landed) / (early_gap - late_gap) if early_gap < 1e200 else 0.5
-            nearer = early + (late - early) * min(0.99, max(0.01, share))
-            if nearer < SHORTEST_LANDING:
-                # The roller touches at once: let it act.
-                break
-            h, last, cut = nearer, False, True
+            h *= share
+            last = False
+        counters[REJECTED] += tries - 1
         if not wrong <= 1.0:
             factor = 0.9 * wrong ** (-1.0 / order)
             refused = True
@@ -294,27 +266,83 @@ def advance(
                 status = STUCK if finite(y) else NOT_FINITE
                 break
             continue
-        _powers(power, touches, powers[2])
-        station_gaps(stations, touches, gaps[1])
-        for o in range(q):
-            leaving[o] = int(touches[o, LEAVING])
-        kinetic, potential = energies(y_new, body, wheels, stations, outlines)
-        energy_end = kinetic + potential + _stored(wrenches)
-        between(0.5, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
-        _at(
-            0.5 * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
-            outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+        normalise(y_new)
+        later = end if last else t + h
+        for i in range(n):
+            asked[i] = row[2 + i] + (later - row[0]) * drive_slope[i]
+        for j in range(3):
+            pushed[j] = row[2 + 2 * n + j] + (later - row[0]) * stage_slope[j]
+        # The step after this one, as it will be begun.
+        factor = 0.9 * wrong ** (-1.0 / order) if wrong > 0.0 else 5.0
+        grown = h * min(1.0 if refused else 5.0, max(0.2, factor))
+        if tries > 1:
+            grown = max(grown, whole)
+        grown = longest_step(y_new, n, stations, outlines, min(grown, control[0]))
+        ahead = end - later if not last and later + grown * 1.0001 >= end else grown
+        _derived(
+            y_new, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places,
+            turns, acting, gamma * ahead, f1, power, motors, wrenches, touches, rollers_1, K_1, D_1,
         )  # fmt: skip
-        _powers(power, touches, powers[1])
-        off = abs(energy_end - energy - _gained(h, powers)) / (control[3] * _moved(h, powers) + control[4])
-        if off > 1.0 and h > SHORTEST_LANDING:
+        # The part of the step that is kept: all, or as much as goes before a roller comes to press or ceases to.
+        kept, y_end, at_end = 1.0, y_new, _least_to_event(touches)
+        for turn in range(2):
+            _powers(power, touches, powers[2])
+            station_gaps(stations, touches, gaps[1])
+            kinetic, potential = energies(y_end, body, wheels, stations, outlines)
+            energy_end = kinetic + potential + _stored(wrenches)
+            if turn > 0:
+                for o in range(q):
+                    coming[o] = (acting[o] | int(touches[o, COMING])) & ~int(touches[o, LEAVING])
+            between(0.5 * kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
+            _at(
+                0.5 * kept * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
+                outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+            )  # fmt: skip
+            _powers(power, touches, powers[1])
+            halfway = _least_to_event(touches)
+            if turn > 0 or (at_end >= 0.0 and halfway >= 0.0):
+                break
+            # Where TO_EVENT falls below zero, by false position (Illinois), a little behind it.
+            early, g_early, late, g_late, side = 0.5, halfway, 1.0, at_end, 0
+            if halfway < 0.0:
+                early, g_early, late, g_late = 0.0, to_event, 0.5, halfway
+            y_end, aim, here = vectors[5], 0.5 * control[2], -1.0
+            for _ in range(LANDINGS):
+                if g_late >= -control[2] or (late - early) * h <= EVENT_TIME:
+                    break
+                share = (g_early + aim) / (g_early - g_late) if g_early < 1e200 else 0.5
+                here = early + (late - early) * min(0.99, max(0.01, share))
+                between(here, h, y, f0, y_new, f1, ks, method, stages, n, m, y_end)
+                _at(
+                    here * h, y_end, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels,
+                    stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+                )  # fmt: skip
+                g = _least_to_event(touches)
+                if g < 0.0:
+                    late, g_late = here, g
+                    g_early *= 0.5 if side < 0 else 1.0
+                    side = -1
+                else:
+                    early, g_early = here, g
+                    g_late *= 0.5 if side > 0 else 1.0
+                    side = 1
+            kept, last = max(late, min(1.0, SHORTEST_LANDING / h)), False
+            if here != kept:
+                between(kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_end)
+                _at(
+                    kept * h, y_end, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels,
+                    stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+                )  # fmt: skip
+            later = t + kept * h
+        off = abs(energy_end - energy - _gained(kept * h, powers)) / (control[3] * _moved(kept * h, powers) + control[4])
+        if off > 1.0 and kept * h > SHORTEST_LANDING:
             # What the powers at begin, middle and end add up to is not what the energy changed by: look closer.
             refused = True
             counters[REJECTED] += 1
-            h *= max(0.2, min(0.8, off**-0.25))
+            h *= kept * max(0.2, min(0.8, off**-0.25))
             clock[STEP], clock[REFUSED] = h, 1.0
             continue
-        shorter = h * max(0.5, 0.9 * off**-0.25) if off > 0.0 and not cut else grown
+        shorter = h * max(0.5, 0.9 * off**-0.25) if off > 0.0 and kept == 1.0 and tries == 1 else grown
         # Rollers with inertia are eliminated with the length of the step to come.
         unlike = turning > 0 and shorter < grown
         grown = min(grown, shorter)
@@ -323,7 +351,6 @@ def advance(
             break
         energy = energy_end
         counters[ACCEPTED] += 1
-        counters[REJECTED] += tries - 1
         refused = False
         while sample < samples.size and samples[sample] <= later:
             part = (samples[sample] - t) / h
@@ -338,12 +365,12 @@ def advance(
         first_kept = int(counters[SAMPLES_DONE])
         for k in range(first_kept, sample):
             if samples[k] > t or t == 0.0:
-                part = (samples[k] - t) / h
+                part = (samples[k] - t) / (kept * h)
                 for p in range(POWERS + q):
-                    kept_works[k, p] = works[p] + _worked(part, h, powers, p)
+                    kept_works[k, p] = works[p] + _worked(part, kept * h, powers, p)
         counters[SAMPLES_DONE] = sample
         for p in range(POWERS + q):
-            works[p] += _worked(1.0, h, powers, p)
+            works[p] += _worked(1.0, kept * h, powers, p)
             powers[0, p] = powers[2, p]
         for s in range(m):
             now = gaps[1, s] < 0.0
@@ -354,24 +381,23 @@ def advance(
                     break
                 step = gaps[0, s] - gaps[1, s]
                 part = gaps[0, s] / step if abs(step) < 1e200 and step != 0.0 else 1.0
-                events[count, 0] = t + h * min(1.0, max(0.0, part))
+                events[count, 0] = t + kept * h * min(1.0, max(0.0, part))
                 events[count, 1] = s
                 events[count, 2] = TOUCHED if now else LIFTED
                 counters[EVENTS] += 1
                 touching[s] = 1.0 if now else 0.0
             gaps[0, s] = gaps[1, s]
-        t, h = later, grown
         for i in range(size):
-            y[i], f0[i] = y_new[i], f1[i]
+            y[i], f0[i] = y_end[i], f1[i]
         K, K_1 = K_1, K
         D, D_1 = D_1, D
         rollers, rollers_1 = rollers_1, rollers
+        fresh = kept < 1.0 or tries > 1 or unlike
+        if kept < 1.0:
+            for o in range(q):
+                acting[o] = coming[o]
+        t, h, to_event = later, grown, at_end
         clock[TIME], clock[STEP], clock[REFUSED] = t, h, 0.0
-        coming = gap
-        # What has come to touch acts from now on, what has left acts no more.
-        for o in range(q):
-            acting[o] &= ~leaving[o]
-        fresh = cut or gap < 0.0 or unlike
         if last:
             piece += 1
             fresh = True
@@ -398,6 +424,18 @@ def _roller_stations(stations, outlines, rollers):
 
 
 @kernel
+def _derived(
+    y, drive, drive_slope, stage, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting,
+    gh, rate, power, motors, wrenches, touches, rollers, K, D,
+):  # fmt: skip
+    """``rates`` with derivatives."""
+    rates(
+        y, drive, drive_slope, stage, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
+        acting, DERIVATIVES, gh, rate, power, motors, wrenches, touches, rollers, K, D,
+    )  # fmt: skip
+
+
+@kernel
 def _at(
     later, y, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
     outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
@@ -410,7 +448,7 @@ def _at(
         pushed[j] = stage[j] + later * stage_slope[j]
     rates(
         y, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
-        acting, False, 1.0, vectors[2], power, motors, wrenches, touches, spare, K, D,
+        acting, TOUCHES, 1.0, vectors[2], power, motors, wrenches, touches, spare, K, D,
     )  # fmt: skip
 
 
@@ -433,23 +471,19 @@ def station_gaps(stations, touches, out):
 
 
 @kernel
-def _least_coming(touches):
-    """The least gap of all rollers that do not act yet."""
+def _least_to_event(touches):
+    """Below zero where a roller has come to press or has ceased to."""
     least = 1e300
     for o in range(touches.shape[0]):
-        least = min(least, touches[o, COMING])
+        least = min(least, touches[o, TO_EVENT])
     return least
 
 
 @kernel
-def _take_up(touches, acting):
-    """Let rollers act that stand in the sphere; whether there were any."""
-    found = False
+def _change(touches, acting):
+    """Let those rollers act that press, and no others."""
     for o in range(touches.shape[0]):
-        if touches[o, COMING] <= 0.0:
-            acting[o] |= 1 << int(touches[o, COMING_ROLLER])
-            found = True
-    return found
+        acting[o] = (acting[o] | int(touches[o, COMING])) & ~int(touches[o, LEAVING])
 
 
 @kernel

@@ -37,7 +37,7 @@ class Room(NamedTuple):
     drives: object
     pushing: object
     limited: object
-    leaving: object
+    coming: object
 
 
 def room_shapes(machine: Machine, stages: int) -> Room:
@@ -65,11 +65,11 @@ def room_shapes(machine: Machine, stages: int) -> Room:
         drives=(4, n),
         pushing=(3, 3),
         limited=(n,),
-        leaving=(q,),
+        coming=(q,),
     )
 
 
-ROOM_KINDS = Room(*[np.float64] * 19, limited=np.bool_, leaving=np.int64)
+ROOM_KINDS = Room(*[np.float64] * 19, limited=np.bool_, coming=np.int64)
 
 
 def room(machine: Machine, stages: int, make=np.empty, runs: tuple[int, ...] = ()) -> Room:

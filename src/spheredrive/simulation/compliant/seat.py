@@ -8,7 +8,7 @@ import numpy as np
 
 from spheredrive.dynamics.compliant import layout as at
 from spheredrive.dynamics.compliant.instant import rates
-from spheredrive.dynamics.compliant.station import GAP, ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
+from spheredrive.dynamics.compliant.station import ALL, DERIVATIVES, GAP, ROLLER_SIZE, STORED, TOUCH_SIZE, WRENCH_SIZE
 from spheredrive.errors import SpheredriveError
 from spheredrive.simulation.compliant.engine import settle
 
@@ -46,7 +46,7 @@ def instant(machine: Machine, y, places, turns, drive=None, drive_kind: int = at
     rates(
         y, np.zeros(n) if drive is None else np.asarray(drive, float), np.zeros(n), np.zeros(3), drive_kind, at.STILL,
         machine.body, machine.wheels, machine.stations, machine.outlines, machine.pieces, places, turns,
-        np.full(q, -1), True, 1.0,
+        np.full(q, ALL), DERIVATIVES, 1.0,
         rate, power, motors, wrenches, touches, np.zeros((machine.rollers, ROLLER_SIZE)), K, D,
     )  # fmt: skip
     return found

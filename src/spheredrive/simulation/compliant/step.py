@@ -46,6 +46,7 @@ from spheredrive.dynamics.compliant.station import (
     E_JACOBIAN,
     E_ROW,
     E_SPIN,
+    FORCES,
     HELD,
     LEVER,
     ROLLER_STATION,
@@ -56,7 +57,7 @@ from spheredrive.dynamics.compliant.station import (
 from spheredrive.simulation.compliant.arrow import assemble, mass_frame, solve
 
 
-@kernel
+@inlined
 def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, wheels, stations, out):
     """∂f/∂t into ``out``: what the inputs change by themselves."""
     n = wheels.shape[0]
@@ -82,7 +83,7 @@ def slopes(drive_slope, stage_slope, drive_kind, stage_kind, limited, body, whee
             out[at + DEFLECTION_RATE] = -dot(row_vector(stations, s), jerk)
 
 
-@kernel
+@inlined
 def solve_stage(
     y, r, k, gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, pushes,
     H, by_turn, to_own, from_own, own, b, x, b_own, z,
@@ -239,7 +240,7 @@ def _quaternion_stage(y, r, k, k_O, gh):
         k[QUATERNION + j] = share * (f * b[j] + turned[j])
 
 
-@kernel
+@inlined
 def trial(
     y, f0, h, drive, drive_slope, stage_input, stage_slope, drive_kind, stage_kind,
     body, wheels, stations, outlines, pieces, places, turns, acting, method, stages, limited,
@@ -306,7 +307,7 @@ def trial(
             if not _equal(method, s, stages):
                 rates(
                     y_new, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces,
-                    places, turns, acting, False, gh, rate, power, motors, wrenches, touches, spare_rollers, K, D,
+                    places, turns, acting, FORCES, gh, rate, power, motors, wrenches, touches, spare_rollers, K, D,
                 )  # fmt: skip
         later = method[row, 2 * stages + 1] * h
         for i in range(size):
