@@ -58,6 +58,7 @@ from spheredrive.dynamics.compliant.layout import (
 )
 from spheredrive.dynamics.compliant.station import (
     DAMPING_HEAT,
+    FORCES,
     OTHER_HEAT,
     SLIP_HEAT,
     SPIN_RATE,
@@ -180,11 +181,12 @@ def rates(
         g = out_of(stations, s, wrenches[s, 3], wrenches[s, 4], wrenches[s, 5])
         F = (F[0] + f[0], F[1] + f[1], F[2] + f[2])
         M = (M[0] + g[0], M[1] + g[1], M[2] + g[2])
-        power[SLIPPING] += wrenches[s, SLIP_HEAT]
-        power[CONTACT_DAMPING] += wrenches[s, DAMPING_HEAT]
-        power[RESISTANCES] += (
-            wrenches[s, OTHER_HEAT] + stations[s, MOUNT_DAMPING] * y[at + DEFLECTION_RATE] * y[at + DEFLECTION_RATE]
-        )
+        if detail != FORCES:
+            power[SLIPPING] += wrenches[s, SLIP_HEAT]
+            power[CONTACT_DAMPING] += wrenches[s, DAMPING_HEAT]
+            power[RESISTANCES] += (
+                wrenches[s, OTHER_HEAT] + stations[s, MOUNT_DAMPING] * y[at + DEFLECTION_RATE] * y[at + DEFLECTION_RATE]
+            )
     pulled, braked = times(symmetric(body, CLOSURE_STIFFNESS), c), times(symmetric(body, CLOSURE_DAMPING), v)
     F = (
         F[0] - pulled[0] - braked[0] + body[CLOSURE_FORCE] + body[WEIGHT],
@@ -252,7 +254,7 @@ def rates(
             _free_rollers(s, i, wheels, stations, outlines, spins, rollers, power)
     for k in range(spins.size):
         rate[at_rollers + k] = rollers[k, SPIN_RATE]
-    if stage_kind != 0:
+    if stage_kind != 0 and detail != FORCES:
         # The force on the stage is what all the momentum changes by: the gantry carries the weight.
         about = cross(angular, rho)
         swing = cross(Omega, cross(Omega, rho))

@@ -64,12 +64,18 @@ def machine(design: Design, normal_force: float | None = None) -> Machine:
     arms = resistance_arms(design, np.full(design.wheel_count, normal_force))
     wheels, stations, outlines, contacts = [], [], [], []
     pieces: list[np.ndarray] = []
+    # Wheels of one kind have the same outlines.
+    known: dict[tuple, np.ndarray] = {}
     rollers = 0
     for i, wheel in enumerate(design.wheels):
         first = len(stations)
         sides = _sides(design, wheel)
         for antipodal, races in sides:
-            rows = [_outline(design, wheel, race, pieces, _reach(design, i, stiffness[i], weight)) for race in races]
+            reach, rows = _reach(design, i, stiffness[i], weight), []
+            for race in races:
+                if (wheel, race.number, reach) not in known:
+                    known[wheel, race.number, reach] = _outline(design, wheel, race, pieces, reach)
+                rows.append(known[wheel, race.number, reach].copy())
             for row, race in zip(rows, races, strict=True):
                 if row[at.KIND] != at.RING and wheel.roller_inertia:
                     row[at.FIRST_ROLLER], row[at.ROLLER_COUNT] = rollers, wheel.rollers_per_race

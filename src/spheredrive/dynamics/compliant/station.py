@@ -88,7 +88,7 @@ def station_forces(
                  if they pull, no others: so a step is smooth, and ends where one comes to press or ceases to. ``ALL``: those
                  that press
     spins        speed of each roller about its own axis
-    detail       ``FORCES``: wrenches, the rest of ``touches`` is left as it is; ``TOUCHES``: none pulls there; ``DERIVATIVES``:
+    detail       ``FORCES``: forces and torques alone, heats and ``touches`` are left as they are; ``TOUCHES``: none pulls there; ``DERIVATIVES``:
                  also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
     gh           γ h of the step, which rollers with inertia are eliminated with
     """
@@ -190,12 +190,12 @@ def station_forces(
             F_all = (F_all[0] + F[0], F_all[1] + F[1], F_all[2] + F[2])
             M_all = (M_all[0] + M[0], M_all[1] + M[1], M_all[2] + M[2])
             torque -= _about_axis(point, F)
-            slip_heat -= T * s + (E * (t - lever * spin) if turning else 0.0)
-            damping_heat += (N - elastic) * -gap_rate
-            other_heat += bearing * spin * spin if turning else -E * t
-            stored += elastic * -gap * (0.4 if hertzian else 0.5)
-            whole += pressed
             if detail != FORCES:
+                slip_heat -= T * s + (E * (t - lever * spin) if turning else 0.0)
+                damping_heat += (N - elastic) * -gap_rate
+                other_heat += bearing * spin * spin if turning else -E * t
+                stored += elastic * -gap * (0.4 if hertzian else 0.5)
+                whole += pressed
                 if pressed > touches[o, LARGEST]:
                     touches[o, LARGEST], touches[o, SLIP] = pressed, s
                 touches[o, NORMAL] += pressed
@@ -217,8 +217,10 @@ def station_forces(
                 other_heat += heat
     wrenches[st, 0], wrenches[st, 1], wrenches[st, 2] = F_all
     wrenches[st, 3], wrenches[st, 4], wrenches[st, 5] = M_all
-    wrenches[st, WHEEL_TORQUE], wrenches[st, SLIP_HEAT], wrenches[st, DAMPING_HEAT] = torque, slip_heat, damping_heat
-    wrenches[st, OTHER_HEAT], wrenches[st, STORED], wrenches[st, PRESSED] = other_heat, stored, whole
+    wrenches[st, WHEEL_TORQUE] = torque
+    if detail != FORCES:
+        wrenches[st, SLIP_HEAT], wrenches[st, DAMPING_HEAT], wrenches[st, OTHER_HEAT] = slip_heat, damping_heat, other_heat
+        wrenches[st, STORED], wrenches[st, PRESSED] = stored, whole
     if detail == DERIVATIVES:
         _by_angle(st, wrenches, d, d_rate, Omega, K, D)
 

@@ -40,7 +40,7 @@ from spheredrive.dynamics.compliant.layout import (
 SHARED, OWN = 9, 3
 
 
-@kernel
+@inlined
 def invert(A, size):
     """A⁻¹ of the first ``size`` rows and columns in place, by Gauss and Jordan with pivots on the diagonal; False if singular.
 
@@ -185,17 +185,25 @@ def assemble(
             _hold(A, B, C, 0)
         if not invert(A, rank):
             return False
-        # B ← B A⁻¹, then the shared system without this wheel.
-        for r in range(size):
-            b0, b1, b2 = B[r, 0], B[r, 1], B[r, 2]
-            for p in range(rank):
-                B[r, p] = b0 * A[0, p] + b1 * A[1, p] + (b2 * A[2, p] if rank == 3 else 0.0)
+        # The size is told as a number, so that the loops over it are unrolled.
+        if size == 6:
+            _eliminate(6, rank, A, B, C, H)
+        else:
+            _eliminate(9, rank, A, B, C, H)
+    return invert(H, 6) if size == 6 else invert(H, 9)
+
+
+@inlined
+def _eliminate(size, rank, A, B, C, H):
+    """B ← B A⁻¹, and the shared system without this wheel."""
+    for r in range(size):
+        b0, b1, b2 = B[r, 0], B[r, 1], B[r, 2]
+        for p in range(rank):
+            B[r, p] = b0 * A[0, p] + b1 * A[1, p] + (b2 * A[2, p] if rank == 3 else 0.0)
+        for p in range(rank):
+            share = B[r, p]
             for j in range(size):
-                total = 0.0
-                for p in range(rank):
-                    total += B[r, p] * C[p, j]
-                H[r, j] -= total
-    return invert(H, size)
+                H[r, j] -= share * C[p, j]
 
 
 @inlined
@@ -284,13 +292,21 @@ def _hold(A, B, C, p):
 @inlined
 def solve(size, wheels, H, to_own, from_own, own, b, x, b_own, z):
     """x (9,) and z (n, 3) from right sides b (9,) and b_own (n, 3)."""
+    # The size is told as a number, so that the loops over it are unrolled.
+    if size == 6:
+        _solve(6, wheels, H, to_own, from_own, own, b, x, b_own, z)
+    else:
+        _solve(9, wheels, H, to_own, from_own, own, b, x, b_own, z)
+
+
+@inlined
+def _solve(size, wheels, H, to_own, from_own, own, b, x, b_own, z):
     for i in range(wheels.shape[0]):
-        rank = 1 + int(wheels[i, STATION_COUNT])
-        for r in range(size):
-            total = 0.0
-            for p in range(rank):
-                total += to_own[i, r, p] * b_own[i, p]
-            b[r] -= total
+        for p in range(1 + int(wheels[i, STATION_COUNT])):
+            share = b_own[i, p]
+            if share != 0.0:
+                for r in range(size):
+                    b[r] -= to_own[i, r, p] * share
     for r in range(size):
         total = 0.0
         for j in range(size):

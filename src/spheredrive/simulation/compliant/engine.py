@@ -56,7 +56,7 @@ SAMPLES_DONE, ACCEPTED, REJECTED, EVENTS = range(4)
 # Kinds of event.
 LIFTED, TOUCHED = 0, 1
 # A wheel passes this share of a roller's pitch in a step at most, so that no contact is stepped over.
-PITCH_SHARE = 0.1
+PITCH_SHARE = 0.2
 # Steps shorter than this, in s, are not made to meet a corner of an outline or an event.
 SHORTEST_LANDING = 1e-9
 # An event is known well enough within this time, s.

@@ -147,7 +147,10 @@ def _pressed_in(machine: Machine, y, places, turns, normals, load, size: float) 
         settle(y, len(machine.wheels), machine.stations, machine.outlines, machine.pieces, places, turns)
         gap = instant(machine, y, places, turns).touches[:, GAP]
         gaps = np.array([gap[begin : begin + count].min() for begin, count in zip(begins, counts, strict=True)])
-        y[at.CENTRE : at.CENTRE + 3] += np.linalg.lstsq(normals[held], -(gaps + depth)[held], rcond=None)[0]
+        nearer = np.linalg.lstsq(normals[held], -(gaps + depth)[held], rcond=None)[0]
+        y[at.CENTRE : at.CENTRE + 3] += nearer
+        if np.abs(nearer).max() < 1e-3 * depth[held].min():
+            break
     return y[at.CENTRE : at.CENTRE + 3]
 
 

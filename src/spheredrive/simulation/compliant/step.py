@@ -294,11 +294,10 @@ def trial(
             same = same and method[row, j] == 0.0
         if not same:
             for i in range(size):
-                y_new[i] = y[i]
-            for j in range(s):
-                share = method[row, j]
-                for i in range(size):
-                    y_new[i] += share * ks[j, i]
+                total = y[i]
+                for j in range(s):
+                    total += method[row, j] * ks[j, i]
+                y_new[i] = total
             later = method[row, 2 * stages] * h
             for i in range(n):
                 asked[i] = drive[i] + later * drive_slope[i]
@@ -310,27 +309,25 @@ def trial(
                     places, turns, acting, FORCES, gh, rate, power, motors, wrenches, touches, spare_rollers, K, D,
                 )  # fmt: skip
         later = method[row, 2 * stages + 1] * h
+        begin = f0 if same else rate
         for i in range(size):
-            r[i] = (f0[i] if same else rate[i]) + later * time_slope[i]
-        for j in range(s):
-            share = method[row, stages + j] / h
-            for i in range(size):
-                r[i] += share * ks[j, i]
+            total = 0.0
+            for j in range(s):
+                total += method[row, stages + j] * ks[j, i]
+            r[i] = begin[i] + later * time_slope[i] + total / h
         solve_stage(
             y, r, ks[s], gh, drive_kind, stage_kind, limited, I, first, body, wheels, stations, rollers, pushes,
             H, by_turn, to_own, from_own, own, b, x, b_own, z,
         )  # fmt: skip
     last = 1 + stages
-    for i in range(size):
-        y_new[i], r[i] = y[i], 0.0
-    for j in range(stages):
-        share, miss = method[last, j], method[last, stages + j]
-        for i in range(size):
-            y_new[i] += share * ks[j, i]
-            r[i] += miss * ks[j, i]
     worst = 0.0
     for i in range(size):
-        wrong = abs(r[i]) * weights[0, i] * (max(h, 0.01) if weights[1, i] > 0.0 else 1.0)
+        total, miss = y[i], 0.0
+        for j in range(stages):
+            total += method[last, j] * ks[j, i]
+            miss += method[last, stages + j] * ks[j, i]
+        y_new[i] = total
+        wrong = abs(miss) * weights[0, i] * (max(h, 0.01) if weights[1, i] > 0.0 else 1.0)
         # NaN is the worst of all.
         if not wrong <= worst:
             worst = wrong if wrong == wrong else math.inf
