@@ -94,8 +94,8 @@ def evaluate(
     )  # fmt: skip
     rates(
         y, *(np.zeros(k) if x is None else np.asarray(x, float) for x, k in ((drive, n), (slope, n), (stage, 3))),
-        kind, stage_kind, m.body, m.wheels, m.stations, m.outlines, m.pieces, places, turns, np.full(q, acting), DERIVATIVES, 1.0,
-        *found[:5], np.zeros((m.rollers, ROLLER_SIZE)), *found[5:],
+        kind, stage_kind, m.body, m.wheels, m.stations, m.outlines, m.pieces, places, turns, np.full(q, acting),
+        DERIVATIVES, 1.0, *found[:5], np.zeros((m.rollers, ROLLER_SIZE)), *found[5:],
     )  # fmt: skip
     return found
 

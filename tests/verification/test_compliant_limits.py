@@ -92,7 +92,7 @@ def test_small_motion_is_the_linear_models(extras):
     def difference(amplitude):
         outline = tuple((a, 0.05 * (1 + amplitude * math.cos(5 * a))) for a in turn)
         wheel = MeasuredWheel(outline=outline, radius=0.05, mass=0.2)
-        return small_motion(wheel, 1e6, (90.0, 70.0, 110.0), 0.35, **extras)
+        return small_motion(wheel, 1e6, (90.0, 70.0, 110.0), 0.4, **extras)
 
     (one, size), (two, _), (four, _) = (difference(amplitude) for amplitude in (1e-5, 2e-5, 4e-5))
     assert np.abs(one).max() < 1e-3 * size

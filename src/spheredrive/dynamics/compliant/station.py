@@ -88,8 +88,8 @@ def station_forces(
                  if they pull, no others: so a step is smooth, and ends where one comes to press or ceases to. ``ALL``: those
                  that press
     spins        speed of each roller about its own axis
-    detail       ``FORCES``: forces and torques alone, heats and ``touches`` are left as they are; ``TOUCHES``: none pulls there; ``DERIVATIVES``:
-                 also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
+    detail       ``FORCES``: forces and torques alone, heats and ``touches`` are left as they are; ``TOUCHES``: those too, and
+                 none pulls; ``DERIVATIVES``: also fill K (7, 4), the wrench's derivative by (d, ϑ), and D (7, 7), by (ḋ, Ω, ω)
     gh           γ h of the step, which rollers with inertia are eliminated with
     """
     R, creep, turn_speed = body[RADIUS], body[CREEP_SPEED], body[TURN_SPEED]

@@ -8,7 +8,7 @@ proportion to the number of wheels.
 
 from __future__ import annotations
 
-from spheredrive.compiled import inlined, kernel
+from spheredrive.compiled import inlined
 from spheredrive.dynamics.algebra import cross, dot, rotation_rows, times
 from spheredrive.dynamics.compliant.instant import out_of, symmetric, turned_inertia, vector
 from spheredrive.dynamics.compliant.layout import (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -42,7 +41,7 @@ class Accuracy:
 
     length: float = 1e-9
     ledger: float = 1e-3
-    largest_step: float = 0.01
+    largest_step: float = 0.05
     shortest_step: float = 1e-13
     method: str = "rodas4"
 
@@ -288,11 +287,13 @@ class _Arrays:
         return y
 
     def advance(self, watch) -> None:
-        """Take all runs to their ends, on as many threads as there are cores; each goes its way alone."""
+        """Take all runs to their ends, on as many threads as Numba may use; each goes its way alone."""
         from concurrent.futures import ThreadPoolExecutor
 
+        import numba
+
         running = list(range(len(self.status)))
-        threads = min(len(running), os.cpu_count() or 1)
+        threads = min(len(running), numba.get_num_threads())
         with ThreadPoolExecutor(threads) as pool:
             while running:
                 # A thread costs more than a short run.

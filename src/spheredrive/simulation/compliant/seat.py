@@ -149,7 +149,7 @@ def _pressed_in(machine: Machine, y, places, turns, normals, load, size: float) 
         gaps = np.array([gap[begin : begin + count].min() for begin, count in zip(begins, counts, strict=True)])
         nearer = np.linalg.lstsq(normals[held], -(gaps + depth)[held], rcond=None)[0]
         y[at.CENTRE : at.CENTRE + 3] += nearer
-        if np.abs(nearer).max() < 1e-3 * depth[held].min():
+        if np.abs(nearer).max() < 1e-3 * depth.min():
             break
     return y[at.CENTRE : at.CENTRE + 3]
 
