@@ -29,7 +29,7 @@ def labelled(design: Design, motion: Motion, run: CompliantRun, accuracy: Accura
     wheel = run.machine.stations[:, at.STATION_WHEEL].astype(np.int32) + 1
     coords["mount_wheel"] = variable(("mount",), wheel, "1", "wheel of the mount, numbered from 1")
     solver = {
-        "solver": f"Rosenbrock method {accuracy.method}, steps end at corners and where rollers come to touch",
+        "solver": f"Rosenbrock method {accuracy.method}, steps end at corners and where rollers begin or cease to press",
         "accuracy": accuracy.length,
         "largest_step": accuracy.largest_step,
         "steps_accepted": np.int64(run.steps[0]),

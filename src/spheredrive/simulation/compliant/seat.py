@@ -89,9 +89,11 @@ def seat(machine: Machine, y: np.ndarray, places, turns) -> np.ndarray:
     here = energy(y, now)
     scale = max(size, float(np.abs(now.wrenches[:, :3]).max(initial=0.0)))
     for _ in range(STEPS):
-        if np.abs(force).max() <= LEFT_OVER * max(scale, 1e-30):
-            break
         H = _stiffness(machine, now, free)
+        # A place is known to a few roundings of the sphere's size, a force no better than the stiffness makes of it.
+        rounding = 4 * np.finfo(float).eps * machine.body[at.RADIUS] * np.abs(H).max()
+        if np.abs(force).max() <= LEFT_OVER * max(scale, 1e-30) + rounding:
+            break
         # A little softness everywhere, so that a direction that is not held yet is no fault of arithmetic.
         step = np.linalg.solve(H + 1e-9 * np.trace(H) / len(H) * np.eye(len(H)) + 1e-30 * np.eye(len(H)), force)
         share = 1.0
