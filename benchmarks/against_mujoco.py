@@ -4,8 +4,8 @@
 
 Both follow the same machine of 3 × 14 ball rollers. "Samples" holds normal forces and the centre's path at every sample to 2 %
 of their own spread; "statistics" holds their means and spreads alone, which forgives steps that smear every touch. What is
-timed records nothing: MuJoCo's own loop in C, after its model is compiled; of ours all of ``run_compliant``, from the design on,
-with the static seat.
+timed records nothing: MuJoCo's own loop in C, after its model is compiled; of ours all of ``run_compliant``, from the design
+on, with the static seat.
 """
 
 from dataclasses import replace

@@ -198,6 +198,8 @@ def advance(
     t, h, piece = clock[TIME], clock[STEP], int(clock[PIECE])
     sample, gamma, grown, energy = int(counters[SAMPLES_DONE]), method[0, 0], h, 0.0
     fresh, refused, to_event = True, clock[REFUSED] > 0.0, 0.0
+    # Rollers that press or pull by less than this depth are left as they are, lest rounding takes them in and out.
+    negligible = 0.01 * control[2]
     status = RUNNING
     while allowed > 0:
         row = inputs[piece]
@@ -225,7 +227,7 @@ def advance(
                     places, turns, acting, gamma * h, f0, power, motors, wrenches, touches, rollers, K, D,
                 )  # fmt: skip
                 to_event = _least_to_event(touches)
-                if to_event >= 0.0:
+                if to_event >= -negligible:
                     break
                 _change(touches, acting)
             _powers(power, touches, powers[0])
@@ -284,13 +286,13 @@ def advance(
             turns, acting, gamma * ahead, f1, power, motors, wrenches, touches, rollers_1, K_1, D_1,
         )  # fmt: skip
         # The part of the step that is kept: all, or as much as goes before a roller comes to press or ceases to.
-        kept, y_end, at_end = 1.0, y_new, _least_to_event(touches)
-        for turn in range(2):
+        kept, event, y_end, at_end = 1.0, False, y_new, _least_to_event(touches)
+        while True:
             _powers(power, touches, powers[2])
             station_gaps(stations, touches, gaps[1])
             kinetic, potential = energies(y_end, body, wheels, stations, outlines)
             energy_end = kinetic + potential + _stored(wrenches)
-            if turn > 0:
+            if event:
                 for o in range(q):
                     coming[o] = (acting[o] | int(touches[o, COMING])) & ~int(touches[o, LEAVING])
             between(0.5 * kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
@@ -300,11 +302,11 @@ def advance(
             )  # fmt: skip
             _powers(power, touches, powers[1])
             halfway = _least_to_event(touches)
-            if turn > 0 or (at_end >= 0.0 and halfway >= 0.0):
+            if event or (at_end >= -negligible and halfway >= -negligible):
                 break
             # Where TO_EVENT falls below zero, by false position (Illinois), a little behind it.
             early, g_early, late, g_late, side = 0.5, halfway, 1.0, at_end, 0
-            if halfway < 0.0:
+            if halfway < -negligible:
                 early, g_early, late, g_late = 0.0, to_event, 0.5, halfway
             y_end, aim, here = vectors[5], 0.5 * control[2], -1.0
             for _ in range(LANDINGS):
@@ -326,14 +328,15 @@ def advance(
                     early, g_early = here, g
                     g_late *= 0.5 if side > 0 else 1.0
                     side = 1
-            kept, last = max(late, min(1.0, SHORTEST_LANDING / h)), False
+            event, kept = True, max(late, min(1.0, SHORTEST_LANDING / h))
             if here != kept:
                 between(kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_end)
                 _at(
                     kept * h, y_end, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels,
                     stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
                 )  # fmt: skip
-            later = t + kept * h
+            if kept < 1.0:
+                last, later = False, t + kept * h
         off = abs(energy_end - energy - _gained(kept * h, powers)) / (control[3] * _moved(kept * h, powers) + control[4])
         if off > 1.0 and kept * h > SHORTEST_LANDING:
             # What the powers at begin, middle and end add up to is not what the energy changed by: look closer.
@@ -342,7 +345,7 @@ def advance(
             h *= kept * max(0.2, min(0.8, off**-0.25))
             clock[STEP], clock[REFUSED] = h, 1.0
             continue
-        shorter = h * max(0.5, 0.9 * off**-0.25) if off > 0.0 and kept == 1.0 and tries == 1 else grown
+        shorter = h * max(0.5, 0.9 * off**-0.25) if off > 0.0 and not event and tries == 1 else grown
         # Rollers with inertia are eliminated with the length of the step to come.
         unlike = turning > 0 and shorter < grown
         grown = min(grown, shorter)
@@ -392,8 +395,8 @@ def advance(
         K, K_1 = K_1, K
         D, D_1 = D_1, D
         rollers, rollers_1 = rollers_1, rollers
-        fresh = kept < 1.0 or tries > 1 or unlike
-        if kept < 1.0:
+        fresh = event or tries > 1 or unlike
+        if event:
             for o in range(q):
                 acting[o] = coming[o]
         t, h, to_event = later, grown, at_end

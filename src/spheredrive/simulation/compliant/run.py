@@ -358,7 +358,7 @@ def _control(m: Machine, accuracy: Accuracy) -> list[float]:
     """Limits of a run's steps, as ``engine.advance`` takes them."""
     load = m.body[at.WEIGHT : at.WEIGHT + 3] + m.body[at.CLOSURE_FORCE : at.CLOSURE_FORCE + 3]
     nothing = accuracy.length * max(float(np.linalg.norm(load)), 1e-3)
-    landed = max(1e-13, 1e-3 * accuracy.length)
+    landed = min(1e-9, max(1e-13, 1e-3 * accuracy.length))
     return [accuracy.largest_step, accuracy.shortest_step, landed, accuracy.ledger, nothing]
 
 

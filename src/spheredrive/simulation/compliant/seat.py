@@ -91,7 +91,7 @@ def seat(machine: Machine, y: np.ndarray, places, turns) -> np.ndarray:
     for _ in range(STEPS):
         H = _stiffness(machine, now, free)
         # A place is known to a few roundings of the sphere's size, a force no better than the stiffness makes of it.
-        rounding = 4 * np.finfo(float).eps * machine.body[at.RADIUS] * np.abs(H).max()
+        rounding = 4 * np.finfo(float).eps * machine.body[at.RADIUS] * np.abs(H).max() if size else 0.0
         if np.abs(force).max() <= LEFT_OVER * max(scale, 1e-30) + rounding:
             break
         # A little softness everywhere, so that a direction that is not held yet is no fault of arithmetic.
