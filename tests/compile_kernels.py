@@ -9,12 +9,14 @@ import subprocess
 import sys
 
 MODELS = """
-import numpy as np, spheredrive as sd
+import spheredrive as sd
 from spheredrive.motion import Motion, Series
 design = sd.load_design(sd.design_path("atlas-dual-race"))
 speeds = Motion("wheel-speed", Series((0.0,), ((1.0, 2.0, 3.0),)), 0.01)
 torques = Motion("wheel-torque", Series((0.0,), ((0.1, 0.2, 0.3),)), 0.01)
-sd.simulate(design, speeds, model="compliant")
+"""
+COMPLIANT = MODELS + 'sd.simulate(design, speeds, model="compliant")'
+ROLLING = MODELS + """
 sd.simulate_batch(design, [torques] * 16)
 sd.kinematics.along(design, speeds)
 sd.check(design)
@@ -34,7 +36,7 @@ transient(design, Series((0.0, 0.1), ((0.0, 0.0, 0.0), tuple(speed))), 0.1)
 
 
 def main() -> int:
-    running = [subprocess.Popen([sys.executable, "-c", code]) for code in (MODELS, VIBRATION)]
+    running = [subprocess.Popen([sys.executable, "-c", code]) for code in (COMPLIANT, ROLLING, VIBRATION)]
     return max(process.wait() for process in running)
 
 

@@ -1,5 +1,6 @@
 """Every example and every command of the README, run as a user would."""
 
+import json
 import os
 import re
 import shlex
@@ -26,6 +27,17 @@ population = 8
 generations = 2
 """
 PROGRAM = Path(sys.executable).with_name("spheredrive")
+# Commands one after another in one process, which reads its libraries once.
+SEVERAL = """
+import json, sys
+from spheredrive.cli import main
+for line in json.loads(sys.argv[1]):
+    try:
+        main(line)
+    except SystemExit as end:
+        if end.code:
+            sys.exit(f"{' '.join(line)}: exit {end.code}")
+"""
 
 
 def run(command, folder):
@@ -45,9 +57,9 @@ def test_readme_commands_run(tmp_path):
     shutil.copy(sd.motion_path("atlas-table-2-1"), tmp_path / "motion.toml")
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     # The thesis takes its time, and the page stays open until it is closed: both have tests of their own.
-    for line in [line for line in lines if " reproduce " not in line and " view " not in line]:
-        answer = run([str(PROGRAM), *shlex.split(line)[1:]], tmp_path)
-        assert answer.returncode == 0, f"{line}: {answer.stderr}"
+    commands = [shlex.split(line)[1:] for line in lines if " reproduce " not in line and " view " not in line]
+    answer = run([sys.executable, "-c", SEVERAL, json.dumps(commands)], tmp_path)
+    assert answer.returncode == 0, answer.stderr
     assert (tmp_path / "report.html").stat().st_size > 10_000
 
 

@@ -13,22 +13,8 @@ import numpy as np
 import pytest
 
 import spheredrive as sd
+from forked import PROGRAM, run
 from spheredrive.cli import main
-
-PROGRAM = Path(sys.executable).with_name("spheredrive")
-
-
-def run(*words, folder=None, **environment):
-    return subprocess.run(
-        [str(PROGRAM), *map(str, words)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-        env={**os.environ, **environment},
-    )
-
 
 SINGULAR = """
 schema_version = 1

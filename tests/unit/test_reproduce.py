@@ -19,7 +19,7 @@ from spheredrive.studies.reproduce.drawing import Drawing, standalone
 from spheredrive.studies.reproduce.errata import ERRATA
 from spheredrive.studies.reproduce.table import Row, rounds_to, signed, span
 
-# The list: one file a figure.
+# One file a figure.
 FIGURES = ["fig-2.7", *(f"fig-3.{n}" for n in range(3, 14)), *(f"fig-4.{n}" for n in range(4, 19))]
 STUDIES = ["friction", "elevation", "heading", "sphere-mass", "stage-mass", "radius-ratio", "wheel-count"]
 

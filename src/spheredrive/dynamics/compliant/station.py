@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.algebra import dot
 from spheredrive.dynamics.compliant.laws import drag, friction, normal_force
@@ -47,8 +49,9 @@ WRENCH_SIZE = 12
 # when the next one is there, m.
 NORMAL, TANGENTIAL, SLIP, GAP, SLIP_POWER, LARGEST, TO_EVENT, COMING, LEAVING = range(9)
 TOUCH_SIZE = 9
-# What is asked of ``station_forces``: wrenches alone; touches too; derivatives too.
-FORCES, TOUCHES, DERIVATIVES = range(3)
+# What is asked of ``station_forces``: wrenches alone; touches too; derivatives too. NumPy's numbers, as Numba would compile all
+# that is handed one of Python's for each of them.
+FORCES, TOUCHES, DERIVATIVES = np.arange(3)
 # In ``acting``: every roller that presses the sphere.
 ALL = -1
 # What a turning roller's row of ``rollers`` holds: its rate; then, where it touches, what eliminates it from a step.

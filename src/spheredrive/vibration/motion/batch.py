@@ -151,8 +151,9 @@ def steady_statistics(
     if not (np.isfinite(normal).all() and np.isfinite(angle).all() and (length > 0).all()):
         raise SpheredriveError("directions must point somewhere and angles be finite")
     wheel = contacts.wheel
+    # Copies all: to Numba an array that cannot be written is another kind, to be compiled for anew.
     flat = [
-        np.ascontiguousarray(np.broadcast_to(a, (*shape, *a.shape[a.ndim - k :])).reshape(count, *a.shape[a.ndim - k :]))
+        np.array(np.broadcast_to(a, (*shape, *a.shape[a.ndim - k :])).reshape(count, *a.shape[a.ndim - k :]), order="C")
         for a, k in ((normal / length, 2), (speed[..., wheel], 1), (angle[..., wheel], 1), (index, 1), (mass, 1))
     ]
     # A split wheel has its other half where its pad would be: a wheel's first contact alone has one.
