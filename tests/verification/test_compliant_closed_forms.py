@@ -10,6 +10,7 @@ from spheredrive.design import Closure, Mount
 from spheredrive.dynamics.compliant import layout as at
 from spheredrive.errors import SpheredriveError
 from spheredrive.simulation.compliant import run as run_module
+from spheredrive.simulation.compliant import seat as seat_module
 from spheredrive.simulation.compliant.ledger import ledger
 from spheredrive.simulation.compliant.run import Accuracy, run_compliant
 from spheredrive.wheels import IdealWheel
@@ -57,6 +58,16 @@ def test_static_seat_is_exact(K):
     run = run_compliant(design(ROUND, contact=dict(stiffness=K)), torques((0, 0, 0), 0.05, sample_rate=100))
     np.testing.assert_allclose(run.touches[0, :, 0], N, rtol=1e-9)
     assert m.stations[0, at.STIFFNESS] == K
+
+
+@pytest.mark.parametrize("K", [1e3, 1e6, 1e8])
+def test_seat_is_found_in_few_looks(K, monkeypatch):
+    """Newton's method on springs that are all but linear: a handful of steps, and no more of them where stiffness makes newtons
+    of the last bits of a place."""
+    looks, evaluated = [], seat_module.instant
+    monkeypatch.setattr(seat_module, "instant", lambda *given: looks.append(1) or evaluated(*given))
+    seated(design(ROUND, contact=dict(stiffness=K), sphere=dict(radius=1.22)))
+    assert len(looks) < 20
 
 
 def test_mounts_stand_in_series_with_contacts():
