@@ -66,7 +66,7 @@ def test_seat_is_found_in_few_looks(K, monkeypatch):
     of the last bits of a place."""
     looks, evaluated = [], seat_module.instant
     monkeypatch.setattr(seat_module, "instant", lambda *given: looks.append(1) or evaluated(*given))
-    seated(design(ROUND, contact=dict(stiffness=K), sphere=dict(radius=1.22)))
+    seated(design(ROUND, contact=dict(stiffness=K)))
     assert len(looks) < 20
 
 
