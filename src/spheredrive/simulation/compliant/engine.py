@@ -295,46 +295,24 @@ def advance(
             if event:
                 for o in range(q):
                     coming[o] = (acting[o] | int(touches[o, COMING])) & ~int(touches[o, LEAVING])
-            between(0.5 * kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
             _at(
-                0.5 * kept * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
-                outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+                0.5 * kept, h, y, f0, y_new, f1, ks, method, stages, y_mid, drive, drive_slope, stage, stage_slope, drive_kind,
+                stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches,
+                touches, spare, K, D,
             )  # fmt: skip
             _powers(power, touches, powers[1])
             halfway = _least_to_event(touches)
             if event or (at_end >= -negligible and halfway >= -negligible):
                 break
-            # Where TO_EVENT falls below zero, by false position (Illinois), a little behind it.
-            early, g_early, late, g_late, side = 0.5, halfway, 1.0, at_end, 0
+            event, y_end = True, vectors[5]
+            early, before, late, behind = 0.5, halfway, 1.0, at_end
             if halfway < -negligible:
-                early, g_early, late, g_late = 0.0, to_event, 0.5, halfway
-            y_end, aim, here = vectors[5], 0.5 * control[2], -1.0
-            for _ in range(LANDINGS):
-                if g_late >= -control[2] or (late - early) * h <= EVENT_TIME:
-                    break
-                share = (g_early + aim) / (g_early - g_late) if g_early < 1e200 else 0.5
-                here = early + (late - early) * min(0.99, max(0.01, share))
-                between(here, h, y, f0, y_new, f1, ks, method, stages, n, m, y_end)
-                _at(
-                    here * h, y_end, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels,
-                    stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
-                )  # fmt: skip
-                g = _least_to_event(touches)
-                if g < 0.0:
-                    late, g_late = here, g
-                    g_early *= 0.5 if side < 0 else 1.0
-                    side = -1
-                else:
-                    early, g_early = here, g
-                    g_late *= 0.5 if side > 0 else 1.0
-                    side = 1
-            event, kept = True, max(late, min(1.0, SHORTEST_LANDING / h))
-            if here != kept:
-                between(kept, h, y, f0, y_new, f1, ks, method, stages, n, m, y_end)
-                _at(
-                    kept * h, y_end, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels,
-                    stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
-                )  # fmt: skip
+                early, before, late, behind = 0.0, to_event, 0.5, halfway
+            kept = _event_share(
+                early, before, late, behind, control[2], h, y, f0, y_new, f1, ks, method, stages, y_end, drive, drive_slope,
+                stage, stage_slope, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting,
+                vectors, power, motors, wrenches, touches, spare, K, D,
+            )  # fmt: skip
             if kept < 1.0:
                 last, later = False, t + kept * h
         off = abs(energy_end - energy - _gained(kept * h, powers)) / (control[3] * _moved(kept * h, powers) + control[4])
@@ -357,10 +335,10 @@ def advance(
         refused = False
         while sample < samples.size and samples[sample] <= later:
             part = (samples[sample] - t) / h
-            between(part, h, y, f0, y_new, f1, ks, method, stages, n, m, y_mid)
             _at(
-                part * h, y_mid, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
-                outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+                part, h, y, f0, y_new, f1, ks, method, stages, y_mid, drive, drive_slope, stage, stage_slope, drive_kind,
+                stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches,
+                touches, spare, K, D,
             )  # fmt: skip
             _keep(sample, y_mid, vectors[2], motors, touches, wrenches, works, kept_states, kept_rates, kept_motors,
                   kept_touches, kept_stored, kept_works)  # fmt: skip
@@ -439,18 +417,61 @@ def _derived(
 
 
 @kernel
-def _at(
-    later, y, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations,
-    outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+def _event_share(
+    early, before, late, behind, landed, h, y, f0, y_new, f1, ks, method, stages, y_end,
+    drive, drive_slope, stage, stage_slope, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
+    acting, vectors, power, motors, wrenches, touches, spare, K, D,
 ):  # fmt: skip
-    """``rates`` without derivatives ``later`` (s) than the begin of the step, into the vectors' third row."""
-    asked, pushed = vectors[3, 0 : wheels.shape[0]], vectors[4, 0:3]
-    for i in range(wheels.shape[0]):
-        asked[i] = drive[i] + later * drive_slope[i]
+    """The share of a step at which TO_EVENT falls below zero, a little behind it; state and touches there are filled in.
+
+    ``before`` is its value at the share ``early``, ``behind`` (below zero) at ``late``; by false position (Illinois), until it
+    is within ``landed`` below zero. A step that ends so is never shorter than ``SHORTEST_LANDING``.
+    """
+    side, here = 0, -1.0
+    for _ in range(LANDINGS):
+        if behind >= -landed or (late - early) * h <= EVENT_TIME:
+            break
+        share = (before + 0.5 * landed) / (before - behind) if before < 1e200 else 0.5
+        here = early + (late - early) * min(0.99, max(0.01, share))
+        _at(
+            here, h, y, f0, y_new, f1, ks, method, stages, y_end, drive, drive_slope, stage, stage_slope, drive_kind,
+            stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches,
+            touches, spare, K, D,
+        )  # fmt: skip
+        value = _least_to_event(touches)
+        if value < 0.0:
+            late, behind = here, value
+            before *= 0.5 if side < 0 else 1.0
+            side = -1
+        else:
+            early, before = here, value
+            behind *= 0.5 if side > 0 else 1.0
+            side = 1
+    kept = max(late, min(1.0, SHORTEST_LANDING / h))
+    if here != kept:
+        _at(
+            kept, h, y, f0, y_new, f1, ks, method, stages, y_end, drive, drive_slope, stage, stage_slope, drive_kind,
+            stage_kind, body, wheels, stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches,
+            touches, spare, K, D,
+        )  # fmt: skip
+    return kept
+
+
+@kernel
+def _at(
+    share, h, y, f0, y_new, f1, ks, method, stages, y_there, drive, drive_slope, stage, stage_slope, drive_kind, stage_kind,
+    body, wheels, stations, outlines, pieces, places, turns, acting, vectors, power, motors, wrenches, touches, spare, K, D,
+):  # fmt: skip
+    """State at a ``share`` of a step into ``y_there``, its rate into the vectors' third row, and what acts there."""
+    n = wheels.shape[0]
+    asked, pushed = vectors[3, 0:n], vectors[4, 0:3]
+    for i in range(n):
+        asked[i] = drive[i] + share * h * drive_slope[i]
     for j in range(3):
-        pushed[j] = stage[j] + later * stage_slope[j]
+        pushed[j] = stage[j] + share * h * stage_slope[j]
+    between(share, h, y, f0, y_new, f1, ks, method, stages, n, stations.shape[0], y_there)
     rates(
-        y, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
+        y_there, asked, drive_slope, pushed, drive_kind, stage_kind, body, wheels, stations, outlines, pieces, places, turns,
         acting, TOUCHES, 1.0, vectors[2], power, motors, wrenches, touches, spare, K, D,
     )  # fmt: skip
 

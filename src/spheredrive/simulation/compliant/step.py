@@ -343,7 +343,7 @@ def _equal(method, s, stages):
     return method[1 + s, 2 * stages] == method[s, 2 * stages]
 
 
-@kernel
+@inlined
 def between(share, h, y0, f0, y1, f1, ks, method, stages, n, m, out):
     """The state at ``share`` of a step of length h with the stages ``ks``.
 
