@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 
-from spheredrive.compiled import njit
+import numpy as np
+
+from spheredrive.compiled import inlined, kernel
 from spheredrive.dynamics.algebra import add, add_dyad, cross, dot, inverse, quaternion_rate, rotation_rows, times
 
 # What the wheels are given.
@@ -22,49 +24,49 @@ RESTING = 2
 
 # Places in the state vector: Ω, quaternion, velocity and position of the stage, the ledger (work of the motors, work on the
 # stage, heat of the resistances), and one angle a wheel.
-OMEGA, ORIENTATION, VELOCITY, POSITION, MOTOR_WORK, STAGE_WORK, HEAT, ANGLE = 0, 3, 7, 10, 13, 14, 15, 16
+OMEGA, ORIENTATION, VELOCITY, POSITION, MOTOR_WORK, STAGE_WORK, HEAT, ANGLE = np.array((0, 3, 7, 10, 13, 14, 15, 16))
 # Columns of ``contacts`` (n, 3, 10), from the row at 0 on; of ``wheels`` (n, 8), from ŵ at 0 on; places in ``body`` (19,),
-# from the inertia's six at 0 on. What they hold is said in ``dynamics.parameters``. Plain arrays: a tuple of arrays costs two
-# counts of references at each look into it, which made the equations twice as slow.
+# from the inertia's six at 0 on. What they hold is said in ``dynamics.parameters``.
+# Places that functions are handed are NumPy's numbers: of Python's, Numba would compile the functions for each anew.
 NORMAL, GRIP, LEVER = 3, 6, 9
 WHEEL_INERTIA, HALF_PITCH, PHASE, ROLLING_ARM, SPIN_ARM = 3, 4, 5, 6, 7
-OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = 6, 9, 10, 11, 14, 17, 18
+OFFSET, SPHERE_MASS, MOVING_MASS, WEIGHT, CLOSURE, FRICTION, SMOOTHING = np.array((6, 9, 10, 11, 14, 17, 18))
 
 # What ``enter_state`` leaves in its room: G, whether it is known, and the wheels' share of the inertia.
-KNOWN, SHARE, ROOM = 6, 7, 13
+KNOWN, SHARE, ROOM = np.array((6, 7, 13))
 
 
-@njit(error_model="numpy")
+@kernel
 def _row(contacts, w, k):
     return contacts[w, k, 0], contacts[w, k, 1], contacts[w, k, 2]
 
 
-@njit(error_model="numpy")
+@kernel
 def _normal(contacts, w, k):
     return contacts[w, k, NORMAL], contacts[w, k, NORMAL + 1], contacts[w, k, NORMAL + 2]
 
 
-@njit(error_model="numpy")
+@kernel
 def _grip(contacts, w, k):
     return contacts[w, k, GRIP], contacts[w, k, GRIP + 1], contacts[w, k, GRIP + 2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _at(y, i):
     return y[i], y[i + 1], y[i + 2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _orientation(y):
     return y[ORIENTATION], y[ORIENTATION + 1], y[ORIENTATION + 2], y[ORIENTATION + 3]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _six(array, i):
     return array[i], array[i + 1], array[i + 2], array[i + 3], array[i + 4], array[i + 5]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def turned(own, offset, q):
     """Inertia tensor and centre of mass in the inertial frame: A I_b Aᵀ and A ρ_b, A the rotation of the quaternion ``q``.
 
@@ -76,13 +78,13 @@ def turned(own, offset, q):
     return inertia, (dot(r0, offset), dot(r1, offset), dot(r2, offset))
 
 
-@njit(error_model="numpy")
+@kernel
 def turned_body(body, y):
     """``turned`` for the body's own inertia and offset and the orientation in ``y``."""
     return turned(_six(body, 0), _at(body, OFFSET), _orientation(y))
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def felt_inertia(I, W, rho, mass, share):
     """I_s + J⁻ᵀ I_w J⁻¹ (``W``), less what a freely moving stage takes off an offset mass: M_s s (ρ² E − ρ ρᵀ), s = M_s/M."""
     taken = mass * share
@@ -91,7 +93,7 @@ def felt_inertia(I, W, rho, mass, share):
     return add_dyad(M, taken, rho)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def known_moment(I, rho, Omega, mass, gravity, a, share):
     """Moments that know nothing of the unknowns, −Ω × I Ω + ρ × M_s (g − p̈); p̈ without Ω̇'s own part in it; Ω × (Ω × ρ).
 
@@ -103,14 +105,14 @@ def known_moment(I, rho, Omega, mass, gravity, a, share):
     return moment, a, centripetal
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def stage_power(mass, moving, p_rate, swing, centripetal, v):
     """P·v of the force on the stage: P = M p̈ + M_s (Ω̇ × ρ + Ω × (Ω × ρ)), given or what its prescribed motion takes."""
     force = (moving * p_rate[0], moving * p_rate[1], moving * p_rate[2])
     return dot(add(force, mass, add(swing, 1.0, centripetal)), v)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def driven(own, offset, W, mass, moving, share, gravity, a, moment, Omega, q, v):
     """Ω̇, p̈, power of the motors and on the stage for wheels driven by torques, without resistances; and whether there is Ω̇.
 
@@ -127,20 +129,20 @@ def driven(own, offset, W, mass, moving, share, gravity, a, moment, Omega, q, v)
     return x, p_rate, dot(moment, Omega), stage_power(mass, moving, p_rate, swing, centripetal, v), fine
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def stage_share(body, stage_kind):
     """M_s/M of a stage that moves freely under its force, 0 of any other."""
     return body[SPHERE_MASS] / body[MOVING_MASS] if stage_kind == FORCE else 0.0
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def stage_push(body, stage_kind, stage):
     """The stage's acceleration but for the offset mass: P/M of a force, itself where it is prescribed."""
     factor = 1.0 / body[MOVING_MASS] if stage_kind == FORCE else (1.0 if stage_kind == ACCELERATION else 0.0)
     return factor * stage[0], factor * stage[1], factor * stage[2]
 
 
-@njit(error_model="numpy")
+@kernel
 def blend_rows(contacts, state, Omega):
     """Rows of wheels that rest between their races: λ h₀ + (1 − λ) h₁ with no speed, so that they neither turn nor work.
 
@@ -156,7 +158,7 @@ def blend_rows(contacts, state, Omega):
                 contacts[w, RESTING, i] = share * contacts[w, 0, i] + (1.0 - share) * contacts[w, 1, i]
 
 
-@njit(error_model="numpy")
+@kernel
 def enter_state(contacts, wheels, state, room):
     """Work out what depends on the contact state alone; to be called whenever ``state`` changes.
 
@@ -175,8 +177,8 @@ def enter_state(contacts, wheels, state, room):
     room[KNOWN] = 1.0 if known else 0.0
 
 
-@njit(error_model="numpy")
-def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, forces=True):
+@kernel
+def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, out, room, forces):
     """Everything at an instant: sphere and stage accelerations, motor torques, normal forces, friction.
 
     ``drive`` (n or 3) holds torques (N m), wheel speeds or the sphere's angular velocity (rad/s), ``drive_slope`` their
@@ -237,7 +239,7 @@ def solve(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     return False
 
 
-@njit(error_model="numpy")
+@kernel
 def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, resisting):
     """Friction from each wheel's own equation, then the normal forces that balance ``force`` and the friction, into ``out``.
 
@@ -262,14 +264,14 @@ def _contact_forces(body, contacts, wheels, state, Omega, x, force, out, room, r
     return change, largest
 
 
-@njit(error_model="numpy")
+@kernel
 def _write(x, p_rate, out, n):
     for i in range(3):
         out[3 * n + i] = x[i]
         out[3 * n + 3 + i] = p_rate[i]
 
 
-@njit(error_model="numpy")
+@kernel
 def resists(body, wheels):
     found = False
     for w in range(wheels.shape[0]):
@@ -277,7 +279,7 @@ def resists(body, wheels):
     return found
 
 
-@njit(error_model="numpy")
+@kernel
 def sphere_from_wheels(contacts, state, wheel_speed):
     """Ω of least slip for wheel speeds, and whether there is one; the rows r sin α · R/r a weigh wheels by physical slip."""
     S, b = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -290,7 +292,7 @@ def sphere_from_wheels(contacts, state, wheel_speed):
     return times(S_inverse, b), fine
 
 
-@njit(error_model="numpy")
+@kernel
 def _needed_torque(contacts, state, need, out):
     """Motor torques of least square sum whose moment Σ hᵢ Tᵢ on the sphere is ``need``, into ``out``.
 
@@ -306,7 +308,7 @@ def _needed_torque(contacts, state, need, out):
     return fine
 
 
-@njit(error_model="numpy")
+@kernel
 def _resistance(body, contacts, wheels, w, k, Omega):
     """Moment of resistance on the sphere for a normal force of one newton, with its sign turned, and Ω − ω ŵ.
 
@@ -324,7 +326,7 @@ def _resistance(body, contacts, wheels, w, k, Omega):
     return add((roll * rolling[0], roll * rolling[1], roll * rolling[2]), twist, R_hat), relative
 
 
-@njit(error_model="numpy")
+@kernel
 def _resisting_moment(body, contacts, wheels, w, k, Omega, normal):
     """−N m on the sphere and, reflected through the wheel, + h N m·ŵ."""
     m, _ = _resistance(body, contacts, wheels, w, k, Omega)
@@ -334,14 +336,14 @@ def _resisting_moment(body, contacts, wheels, w, k, Omega, normal):
     return drag * h[0] - pressed * m[0], drag * h[1] - pressed * m[1], drag * h[2] - pressed * m[2]
 
 
-@njit(error_model="numpy")
+@kernel
 def _wheel_drag(body, contacts, wheels, w, k, Omega, normal):
     """Moment N m·ŵ that the contact puts on the wheel about its axis."""
     m, _ = _resistance(body, contacts, wheels, w, k, Omega)
     return max(normal, 0.0) * (m[0] * wheels[w, 0] + m[1] * wheels[w, 1] + m[2] * wheels[w, 2])
 
 
-@njit(error_model="numpy")
+@kernel
 def heat_rate(body, contacts, wheels, state, y, out):
     """Power that the resistances take: Σ N m · (Ω − ω ŵ), never negative."""
     total, n = 0.0, state.size
@@ -352,7 +354,7 @@ def heat_rate(body, contacts, wheels, state, y, out):
     return total
 
 
-@njit(error_model="numpy")
+@kernel
 def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_slope, stage, y, dy, out, room):
     """Time derivatives of the state vector ``y`` up to its ledger into ``dy``, and of ∫Ω dt in the three places behind it.
 
@@ -381,7 +383,7 @@ def rates(body, contacts, wheels, drive_kind, stage_kind, state, drive, drive_sl
     return True
 
 
-@njit(error_model="numpy")
+@kernel
 def energy(body, contacts, wheels, state, y):
     """Kinetic energy of sphere, wheels and stage, and the potential −M_s g·ρ of the offset mass, J.
 
@@ -398,14 +400,14 @@ def energy(body, contacts, wheels, state, y):
     return kinetic, -body[SPHERE_MASS] * dot(_at(body, WEIGHT), rho)
 
 
-@njit(error_model="numpy")
+@kernel
 def energies(body, contacts, wheels, states, y, kinetic, potential):
     """``energy`` of the samples ``states`` (k, n), ``y`` (k, size) into ``kinetic`` and ``potential`` (k,)."""
     for i in range(y.shape[0]):
         kinetic[i], potential[i] = energy(body, contacts, wheels, states[i], y[i])
 
 
-@njit(error_model="numpy")
+@kernel
 def impact(body, contacts, wheels, stage_kind, before, after, y, room):
     """Change of race with free wheels, from contact state ``before`` to ``after``: sets Ω (and v of a free stage) in ``y``.
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel
 
 STAGES = 7
 # Nodes of the stages: where in the step each is taken.
@@ -40,7 +40,7 @@ D = (
 )
 
 
-@njit(error_model="numpy", inline="always")
+@inlined
 def stage_state(room, stage, y, goal, k, block, size):
     """y + Σ a_ij hk_j: where the ``stage``-th stage is taken; the last one is the step's result.
 
@@ -78,7 +78,7 @@ def stage_state(room, stage, y, goal, k, block, size):
             )  # fmt: skip
 
 
-@njit(error_model="numpy", inline="always")
+@inlined
 def step_error(room, goal, k, block, size):
     """Fifth-order result less the fourth-order one, into ``room`` from ``goal`` on."""
     for i in range(size):
@@ -88,14 +88,14 @@ def step_error(room, goal, k, block, size):
         )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def interpolate(y, y_new, k, theta, out):
     """State inside a step, at the share ``theta`` of it, to fourth order; ``k`` holds the increments hk, (7, size)."""
     for i in range(y.size):
         out[i] = interpolated(y[i], y_new[i], k, theta, i)
 
 
-@njit(error_model="numpy")
+@kernel
 def interpolated(y, y_new, k, theta, i):
     """The ``i``-th component inside a step, at the share ``theta`` of it."""
     change = y_new - y

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel, njit
 from spheredrive.dynamics.algebra import add, dot, quaternion_rate
 from spheredrive.dynamics.rolling import driven
 from spheredrive.simulation.dormand_prince import STAGES, stage_state, step_error
@@ -25,9 +25,10 @@ LOOKED_AT = 10
 # rates at the step's beginning and the step length, once for each of them; the step's beginning, end, increments and error;
 # 1 while every stage has had a solution, else 0. What ``driven_rates`` writes comes last, a stage's rates and whether they
 # solve the equations: the compiler then sees at a glance that it is apart from all that is read.
-OWN, FELT, OFFSET, MASS, MOVING, STAGE_SHARE, GRAVITY = 0, 6, 12, 15, 16, 17, 18
-MOMENT, MOMENT_SLOPE, PUSH, PUSH_SLOPE, TIME = 21, 24, 27, 30, 33
-FIRST_RATE, STEP, Y, Y_NEW, K = 34, 53, 72, 91, 110
+# All of them NumPy's numbers: of Python's, Numba would compile the functions that are handed them for each anew.
+OWN, FELT, OFFSET, MASS, MOVING, STAGE_SHARE, GRAVITY = np.array((0, 6, 12, 15, 16, 17, 18))
+MOMENT, MOMENT_SLOPE, PUSH, PUSH_SLOPE, TIME = np.array((21, 24, 27, 30, 33))
+FIRST_RATE, STEP, Y, Y_NEW, K = np.array((34, 53, 72, 91, 110))
 ERROR = K + STAGES * SIZE
 SOLVED = ERROR + SIZE
 RATE, FINE = SOLVED + 1, SOLVED + 1 + SIZE
@@ -45,35 +46,35 @@ def new_room():
     return room[skip : skip + ROWS * LANES]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def get(room, row, lane):
     return room[row * LANES + lane]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def put(room, row, lane, value):
     room[row * LANES + lane] = value
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _three(room, row, lane):
     return get(room, row, lane), get(room, row + 1, lane), get(room, row + 2, lane)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _six(room, row, lane):
     a, b = _three(room, row, lane), _three(room, row + 3, lane)
     return a[0], a[1], a[2], b[0], b[1], b[2]
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _put_three(room, row, lane, a):
     put(room, row, lane, a[0])
     put(room, row + 1, lane, a[1])
     put(room, row + 2, lane, a[2])
 
 
-@njit(error_model="numpy")
+@kernel
 def driven_rates(room, node):
     """Rates at the share ``node`` of the step for wheels driven by torques, without resistances, in every lane."""
     for lane in range(LANES):
@@ -98,7 +99,7 @@ def driven_rates(room, node):
         put(room, FINE, lane, 1.0 if fine else 0.0)
 
 
-@njit(error_model="numpy")
+@kernel
 def spread_step(room):
     """The step length of each lane, once for each of its rates."""
     for lane in range(LANES):
@@ -107,7 +108,7 @@ def spread_step(room):
             _put_three(room, STEP + row, lane, (h, h, h))
 
 
-@njit(error_model="numpy")
+@kernel
 def take(room):
     """The end of the step becomes the beginning of the next one in every lane, its quaternion brought back to unit length.
 
@@ -128,7 +129,7 @@ def take(room):
         _put_three(room, FIRST_RATE + 4, lane, (f * b[0], f * b[1], f * b[2]))
 
 
-@njit(error_model="numpy")
+@kernel
 def refuse(room, lane):
     """Make a lane's step one of no length, for ``take`` to leave the lane as it was."""
     for i in range(SIZE):
@@ -136,7 +137,7 @@ def refuse(room, lane):
         put(room, Y_NEW + i, lane, get(room, Y + i, lane))
 
 
-@njit(error_model="numpy", inline="always")
+@inlined
 def keep_increments(room, stage):
     """hk of the rates just found; of stage 0, of those at the step's beginning."""
     source, goal = (FIRST_RATE if stage == 0 else RATE) * LANES, (K + stage * SIZE) * LANES
@@ -147,19 +148,19 @@ def keep_increments(room, stage):
             room[SOLVED * LANES + i] *= room[FINE * LANES + i]
 
 
-@njit(error_model="numpy")
+@kernel
 def next_stage(room, stage):
     """The state at which a stage is taken, into the rows of the step's end; the last one is the step's end."""
     size = SIZE if stage == STAGES - 1 else LOOKED_AT
     stage_state(room, stage, Y * LANES, Y_NEW * LANES, K * LANES, SIZE * LANES, size * LANES)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _larger(a, b):
     return a if a > b else b
 
 
-@njit(error_model="numpy")
+@kernel
 def find_error(room, relative, absolute):
     """Largest error of each lane's step over its tolerance, into the first error row: good below 1.
 

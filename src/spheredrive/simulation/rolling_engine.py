@@ -4,8 +4,8 @@ A change of race is found by counting half roller pitches, never by a root of th
 number of its half pitch, and a step that leaves it ends on the boundary, by its own interpolant.
 
 Steps of several runs are tried side by side (``simulation.lanes``). What happens seldom, the corner of an input, a change
-of race, a sample, is done for one run at a time. Arrays go about in named tuples; each look into one costs two counts of
-references, so what every step does is given plain arrays.
+of race, a sample, is done for one run at a time. Arrays go about in named tuples; where references are counted, in what makes
+arrays, each look into one costs two counts, so what every step does is given plain arrays.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from spheredrive.compiled import njit
+from spheredrive.compiled import inlined, kernel, njit
 from spheredrive.dynamics.rolling import (
     ANGLE,
     HALF_PITCH,
@@ -139,7 +139,8 @@ class Side(NamedTuple):
     generic      whether its rates take more than ``lanes.driven_rates``: prescribed speeds, resistances, a resting wheel
     ends         whether the step reaches the end of its piece
     state, room  contact states and what follows from them
-    rows         ωᵢ = row · Ω in the present contact state, zero for a wheel that rests, (LANES, n, 3)
+    rows         ωᵢ = row · Ω in the present contact state, zero for a wheel that rests, (LANES, n, 3); of prescribed speeds,
+                 ωᵢ = row · (1, t, 0) with the time t since the piece began
     """
 
     run: np.ndarray
@@ -259,7 +260,7 @@ def _new_work(n, columns):
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def _alone(machine, task, progress, record, b):
     """The tuples of one run."""
     return (
@@ -272,7 +273,7 @@ def _alone(machine, task, progress, record, b):
     )
 
 
-@njit(error_model="numpy")
+@kernel
 def _work_of(shared, side, lane):
     """Room to work in with the contact state of a lane."""
     return Work(
@@ -281,12 +282,12 @@ def _work_of(shared, side, lane):
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def _attend(machines, tasks, progresses, records, side, shared, room, lane, b):
     """Do all that is due before the next step of a run, and put it into its lane; returns how it stands."""
     machine, task, progress, record = _alone(machines, tasks, progresses, records, b)
     work = _work_of(shared, side, lane)
-    clock, counters, pieces, y = progress.clock, progress.counters, task.pieces, progress.y
+    clock, counters, pieces = progress.clock, progress.counters, task.pieces
     _set_state(machine.wheels, progress.pitch, progress.resting, work.state)
     enter_state(machine.contacts, machine.wheels, work.state, work.room)
     while True:
@@ -297,32 +298,38 @@ def _attend(machines, tasks, progresses, records, side, shared, room, lane, b):
             _enter_piece(machine, task, progress, record, work)
         if counters[EVENT] + EVENTS_AT_ONCE > record.events.shape[0]:
             return EVENTS_FULL
-        leaving = _leave_rest(machine.contacts, y, progress.pitch, progress.resting)
-        if leaving >= 0 and not _enter_contacts(machine, task, progress, record, work, leaving):
-            return NO_SOLUTION
-        # A wheel at a boundary and on its way out changes its race before any step is taken.
-        changed = _wheel_at_boundary(machine, progress, work.state)
         if counters[STUCK] > MOST_EVENTS_AT_ONCE:
             return CHATTER
-        if changed == 0:
-            break
-        if not _change_race(machine, task, progress, record, work, changed, y):
+        if not _find_rate(machine, task, progress, work):
             return NO_SOLUTION
-    if clock[RATE_KNOWN] == 0.0 and not _find_rate(machine, task, progress, work):
-        return NO_SOLUTION
+        # A wheel at a boundary and on its way out changes its race before any step is taken.
+        leaving = _leave_rest(machine, task, progress, work)
+        changed = _wheel_at_boundary(machine, task, progress, work) if leaving < 0 else 0
+        if leaving >= 0:
+            fine = _enter_contacts(machine, task, progress, record, work, leaving)
+        elif changed != 0:
+            fine = _change_race(machine, task, progress, record, work, changed, progress.y)
+        else:
+            break
+        if not fine:
+            return NO_SOLUTION
     _load(machine, task, progress, side, work.state, work.room, room, lane)
     return RUNNING
 
 
-@njit(error_model="numpy")
+@kernel
 def _load(machine, task, progress, side, state, state_room, room, lane):
     """Put a run into its lane: machine, drive of the present piece, state and rate."""
     body, kinds, n = machine.body, task.kinds, state.size
+    row, c = task.pieces[int(progress.counters[PIECE])], (task.pieces.shape[1] - 8) // 2
+    long = row[1] - row[0]
     resting = False
     for w in range(n):
         resting = resting or state[w] == RESTING
         for i in range(3):
             side.rows[lane, w, i] = 0.0 if state[w] == RESTING else machine.contacts[w, state[w], i]
+        if kinds[0] == WHEEL_SPEED:
+            side.rows[lane, w, 0], side.rows[lane, w, 1] = row[2 + w], (row[2 + c + w] - row[2 + w]) / long
     side.generic[lane] = 1 if kinds[0] != TORQUE or resting or resists(body, machine.wheels) else 0
     side.attention[lane] = 1 if resting else 0
     for i in range(6):
@@ -331,8 +338,6 @@ def _load(machine, task, progress, side, state, state_room, room, lane):
     put(room, L.MASS, lane, body[SPHERE_MASS])
     put(room, L.MOVING, lane, body[MOVING_MASS])
     put(room, L.STAGE_SHARE, lane, stage_share(body, kinds[1]))
-    row, c = task.pieces[int(progress.counters[PIECE])], (task.pieces.shape[1] - 8) // 2
-    long = row[1] - row[0]
     begin, end = stage_push(body, kinds[1], row[2 + 2 * c :]), stage_push(body, kinds[1], row[5 + 2 * c :])
     for i in range(3):
         put(room, L.OFFSET + i, lane, body[BODY_OFFSET + i])
@@ -351,18 +356,33 @@ def _load(machine, task, progress, side, state, state_room, room, lane):
         put(room, L.FIRST_RATE + i, lane, progress.rate[i])
 
 
-@njit(error_model="numpy")
+@kernel
 def _find_rate(machine, task, progress, work):
+    """Inputs at the present time and, unless they are known, rates; False where the equations have no solution."""
     clock = progress.clock
     _inputs_at(task.pieces, int(progress.counters[PIECE]), clock[TIME], work.drive, work.slope, work.stage)
+    if clock[RATE_KNOWN] == 1.0:
+        return True
     clock[RATE_KNOWN] = 1.0
-    return rates(
+    fine = rates(
         machine.body, machine.contacts, machine.wheels, task.kinds[0], task.kinds[1], work.state, work.drive, work.slope,
         work.stage, progress.y, progress.rate, work.out, work.room,
     )  # fmt: skip
+    if task.kinds[0] == WHEEL_SPEED:
+        _turn_as_asked(progress.rate, clock[TIME] - task.pieces[int(progress.counters[PIECE]), 0])
+    return fine
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
+def _turn_as_asked(rate, t):
+    """Have the lane integrate (1, t, 0) in place of Ω: wheels of prescribed speeds turn by these, free of Ω's rounding.
+
+    A wheel that is held on the boundary between its races then stays there.
+    """
+    rate[L.TURN], rate[L.TURN + 1], rate[L.TURN + 2] = 1.0, t, 0.0
+
+
+@inlined
 def _set_step(pieces, control, clock, counters, room, lane, b):
     """Choose the length of the next step; returns 1 where it ends the piece."""
     t, begin, end = clock[b, TIME], pieces[b, int(counters[b, PIECE]), 0], pieces[b, int(counters[b, PIECE]), 1]
@@ -379,7 +399,7 @@ def _set_step(pieces, control, clock, counters, room, lane, b):
     return 1 if last else 0
 
 
-@njit(error_model="numpy")
+@kernel
 def _generic_rates(machine, task, progress, side, shared, room, node):
     """Rates by the full equations where a lane takes them; a prescribed Ω is put into the lane's state."""
     y, dy = shared.y_new, shared.rate
@@ -395,6 +415,8 @@ def _generic_rates(machine, task, progress, side, shared, room, node):
             machine.body[b], machine.contacts[b], machine.wheels[b], task.kinds[0], task.kinds[1], side.state[lane],
             shared.drive, shared.slope, shared.stage, y, dy, shared.out, side.room[lane],
         )  # fmt: skip
+        if task.kinds[0] == WHEEL_SPEED:
+            _turn_as_asked(dy, t - task.pieces[b, int(progress.counters[b, PIECE]), 0])
         for i in range(3):
             put(room, L.Y_NEW + OMEGA + i, lane, y[OMEGA + i])
         for i in range(SIZE):
@@ -402,7 +424,7 @@ def _generic_rates(machine, task, progress, side, shared, room, node):
         put(room, L.FINE, lane, 1.0 if fine else 0.0)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _judge(pieces, control, samples, wheels, y, clock, counters, pitch, attention, ends, state, rows, room, lane, b):
     """Take the step that was tried, or refuse it; returns how the run stands, ``CARE`` where more is in the step."""
     t, h, fixed = clock[b, TIME], get(room, L.STEP, lane), control[FIXED_STEP] > 0.0
@@ -429,7 +451,7 @@ def _judge(pieces, control, samples, wheels, y, clock, counters, pitch, attentio
     return RUNNING
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _error_with_angles(room, rows, y, control, lane, b):
     """The larger of the lane's error and that of the wheels' angles."""
     worst = get(room, L.ERROR, lane)
@@ -442,7 +464,7 @@ def _error_with_angles(room, rows, y, control, lane, b):
     return worst
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _turn(room, rows, block, lane, w):
     """row · the three places of ∫Ω dt in a block: a wheel's part of it."""
     place = block + L.TURN
@@ -450,7 +472,7 @@ def _turn(room, rows, block, lane, w):
     return rows[lane, w, 0] * a + rows[lane, w, 1] * b + rows[lane, w, 2] * c
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _near_a_boundary(wheels, state, rows, y, pitch, room, lane, b):
     """Whether a wheel with races leaves its half pitch in the step, or turns back in it, or comes close to its boundary."""
     for w in range(rows.shape[1]):
@@ -466,7 +488,7 @@ def _near_a_boundary(wheels, state, rows, y, pitch, room, lane, b):
     return False
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _store(y, rate, room, lane, b):
     """Put a lane's state and rate into the run's own arrays; the wheels' angles are always there."""
     for i in range(SIZE):
@@ -475,7 +497,7 @@ def _store(y, rate, room, lane, b):
             y[b, i] = get(room, L.Y + i, lane)
 
 
-@njit(error_model="numpy", forceinline=True)
+@inlined
 def _finish(clock, counters, control, y, attention, ends, rows, room, lane, b, t_new):
     """Note that a whole step is taken, turn the wheels, and choose the next step's length."""
     for w in range(rows.shape[1]):
@@ -491,7 +513,7 @@ def _finish(clock, counters, control, y, attention, ends, rows, room, lane, b, t
     counters[b, STUCK] = 0
 
 
-@njit(error_model="numpy")
+@kernel
 def _take_with_care(machines, tasks, progresses, records, side, shared, room, lane, b):
     """Take a step that has samples in it or a wheel at its boundary, where it ends; returns how the run stands."""
     machine, task, progress, record = _alone(machines, tasks, progresses, records, b)
@@ -517,7 +539,7 @@ def _take_with_care(machines, tasks, progresses, records, side, shared, room, la
     else:
         # The step ends inside itself, where the wheel reaches its boundary: the interpolant is as good as the step.
         interpolate(y, y_new, k, share, work.trial)
-        y[:] = work.trial
+        _copy(work.trial, y)
         _normalise(y)
         _snap(machine.wheels, y, progress.pitch, wheel)
         side.attention[lane] = FRESH
@@ -527,7 +549,7 @@ def _take_with_care(machines, tasks, progresses, records, side, shared, room, la
     return RUNNING
 
 
-@njit(error_model="numpy")
+@kernel
 def _unload(room, rows, y, y_new, k, lane):
     """State at the step's end and the increments, with the wheels' angles, out of the lane."""
     for i in range(ANGLE):
@@ -540,7 +562,14 @@ def _unload(room, rows, y, y_new, k, lane):
             k[s, ANGLE + w] = _turn(room, rows, L.K + s * SIZE, lane, w)
 
 
-@njit(error_model="numpy")
+@inlined
+def _copy(source, goal):
+    """A loop, as an assignment of arrays makes room for one in between."""
+    for i in range(source.size):
+        goal[i] = source[i]
+
+
+@kernel
 def _normalise(y):
     """Bring the quaternion in ``y`` to unit length."""
     length = 0.0
@@ -551,7 +580,7 @@ def _normalise(y):
         y[ORIENTATION + i] /= length
 
 
-@njit(error_model="numpy")
+@kernel
 def _inputs_at(pieces, piece, t, drive, slope, stage):
     """Drive, its slope and the stage's input at ``t`` of a piece: its ends, then first and last values of both."""
     first, last = pieces[piece, 0], pieces[piece, 1]
@@ -566,17 +595,17 @@ def _inputs_at(pieces, piece, t, drive, slope, stage):
         stage[i] = begin + share * (pieces[piece, 5 + 2 * c + i] - begin)
 
 
-@njit(error_model="numpy")
+@kernel
 def _solve_now(machine, task, progress, work, t, y):
     """``solve`` at time ``t`` of the present piece."""
     _inputs_at(task.pieces, int(progress.counters[PIECE]), t, work.drive, work.slope, work.stage)
     return solve(
         machine.body, machine.contacts, machine.wheels, task.kinds[0], task.kinds[1], work.state, work.drive, work.slope,
-        work.stage, y, work.out, work.room,
+        work.stage, y, work.out, work.room, True,
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@kernel
 def _enter_piece(machine, task, progress, record, work):
     """Go on to the next piece; a jump of a prescribed Ω there takes or gives energy, which is written down."""
     clock, y = progress.clock, progress.y
@@ -594,29 +623,47 @@ def _enter_piece(machine, task, progress, record, work):
         _write_event(machine, progress, record, work, -1, kinetic + potential, old)
 
 
-@njit(error_model="numpy")
+@kernel
 def _set_state(wheels, pitch, resting, state):
     for w in range(state.size):
         state[w] = RESTING if resting[w] == 1 else (pitch[w] % 2 if np.isfinite(wheels[w, HALF_PITCH]) else 0)
 
 
-@njit(error_model="numpy", inline="always")
+@inlined
 def _speed(contacts, w, k, y):
-    """Speed that the ``k``-th contact state gives wheel ``w``."""
+    """Speed that the ``k``-th contact state gives wheel ``w``; of ``y`` that begins with Ω̇, its acceleration."""
     return contacts[w, k, 0] * y[OMEGA] + contacts[w, k, 1] * y[OMEGA + 1] + contacts[w, k, 2] * y[OMEGA + 2]
 
 
-@njit(error_model="numpy", inline="always")
+@inlined
 def _boundary(wheels, pitch, w, upper):
     return (pitch[w] + (1 if upper else 0)) * wheels[w, HALF_PITCH] - wheels[w, PHASE]
 
 
-@njit(error_model="numpy")
-def _leave_rest(contacts, y, pitch, resting):
+@kernel
+def _heading(machine, task, progress, work, w, k, y):
+    """Speed of wheel ``w`` in its ``k``-th contact state, or what stands for it on a boundary: the way the wheel leaves.
+
+    A speed that turns back before the wheel is off the boundary tells nothing: the acceleration does, where it is prescribed,
+    as where there is no speed. That of driven wheels depends on the race they are in: 0, a step has to show their way.
+    """
+    asked = task.kinds[0] == WHEEL_SPEED
+    speed = work.drive[w] if asked else _speed(machine.contacts, w, k, y)
+    gained = work.slope[w] if asked else _speed(machine.contacts, w, k, progress.rate)
+    near = AT_BOUNDARY * max(1.0, abs(y[ANGLE + w]))
+    if speed != 0.0 and (speed * gained >= 0.0 or speed * speed >= 2.0 * near * abs(gained)):
+        return speed
+    return 0.0 if task.kinds[0] == TORQUE else gained
+
+
+@kernel
+def _leave_rest(machine, task, progress, work):
     """Let go of a wheel that its races no longer drive back to the boundary between them; −1 where there is none."""
+    y, pitch, resting = progress.y, progress.pitch, progress.resting
     for w in range(pitch.size):
         if resting[w] == 1:
-            below, above = _speed(contacts, w, pitch[w] % 2, y), _speed(contacts, w, (pitch[w] + 1) % 2, y)
+            below = _heading(machine, task, progress, work, w, pitch[w] % 2, y)
+            above = _heading(machine, task, progress, work, w, (pitch[w] + 1) % 2, y)
             if below >= 0.0 >= above:
                 continue
             resting[w] = 0
@@ -625,13 +672,13 @@ def _leave_rest(contacts, y, pitch, resting):
     return -1
 
 
-@njit(error_model="numpy")
-def _wheel_at_boundary(machine, progress, state):
+@kernel
+def _wheel_at_boundary(machine, task, progress, work):
     """± (wheel + 1) of a wheel that stands on its boundary and moves out of it, up or down; 0 where there is none."""
-    contacts, wheels, y, pitch = machine.contacts, machine.wheels, progress.y, progress.pitch
+    wheels, y, pitch = machine.wheels, progress.y, progress.pitch
     for w in range(pitch.size):
-        if np.isfinite(wheels[w, HALF_PITCH]) and state[w] != RESTING:
-            speed = _speed(contacts, w, state[w], y)
+        if np.isfinite(wheels[w, HALF_PITCH]) and work.state[w] != RESTING:
+            speed = _heading(machine, task, progress, work, w, work.state[w], y)
             near = AT_BOUNDARY * max(1.0, abs(y[ANGLE + w]))
             if speed > 0.0 and y[ANGLE + w] >= _boundary(wheels, pitch, w, True) - near:
                 return w + 1
@@ -640,7 +687,7 @@ def _wheel_at_boundary(machine, progress, state):
     return 0
 
 
-@njit(error_model="numpy")
+@kernel
 def _first_crossing(wheels, y, y_new, k, pitch, resting):
     """The wheel that leaves its half pitch first in a step (−1: none), at which share of it, and whether upward."""
     first_wheel, first_share, first_up = -1, 2.0, True
@@ -653,7 +700,9 @@ def _first_crossing(wheels, y, y_new, k, pitch, resting):
         for end in (turn, 1.0):
             angle = y_new[i] if end == 1.0 else interpolated(y[i], y_new[i], k, end, i)
             upper, lower = _boundary(wheels, pitch, w, True), _boundary(wheels, pitch, w, False)
-            if lower <= angle <= upper:
+            # Rounding takes no wheel out; twice the width in which ``_heading`` looks for one that turns back.
+            width = 2.0 * AT_BOUNDARY * max(1.0, abs(angle))
+            if lower - width <= angle <= upper + width:
                 continue
             goal = upper if angle > upper else lower
             share = _share_at(y[i], y_new[i], k, i, goal, end, angle > goal)
@@ -663,7 +712,7 @@ def _first_crossing(wheels, y, y_new, k, pitch, resting):
     return first_wheel, first_share, first_up
 
 
-@njit(error_model="numpy")
+@kernel
 def _share_at(y, y_new, k, i, goal, end, rising):
     """Where in the step the interpolant of component i passes ``goal``, between its start and ``end``: by halving."""
     inside, outside = 0.0, end
@@ -676,7 +725,7 @@ def _share_at(y, y_new, k, i, goal, end, rising):
     return outside
 
 
-@njit(error_model="numpy")
+@kernel
 def _snap(wheels, y, pitch, wheel):
     """Put a wheel that has reached its boundary exactly on it."""
     upper, lower = _boundary(wheels, pitch, wheel, True), _boundary(wheels, pitch, wheel, False)
@@ -684,7 +733,7 @@ def _snap(wheels, y, pitch, wheel):
     y[ANGLE + wheel] = upper if abs(angle - upper) < abs(angle - lower) else lower
 
 
-@njit(error_model="numpy")
+@kernel
 def _change_race(machine, task, progress, record, work, changed, reference):
     """Let a wheel at its boundary change its race, up (+) or down (−).
 
@@ -694,21 +743,21 @@ def _change_race(machine, task, progress, record, work, changed, reference):
     w, up, pitch = abs(changed) - 1, changed > 0, progress.pitch
     _snap(machine.wheels, progress.y, pitch, w)
     pitch[w] += 1 if up else -1
-    back = _speed(machine.contacts, w, pitch[w] % 2, reference)
+    back = _heading(machine, task, progress, work, w, pitch[w] % 2, reference)
     if task.kinds[0] != WHEEL_SPEED and ((up and back < 0.0) or (not up and back > 0.0)):
         progress.resting[w] = 1
         pitch[w] -= 1 if up else 0
     return _enter_contacts(machine, task, progress, record, work, w)
 
 
-@njit(error_model="numpy")
+@kernel
 def _enter_contacts(machine, task, progress, record, work, w):
     """Go over to the contact state that ``pitch`` and ``resting`` tell, because of wheel ``w``, and write the event down.
 
     It is an impact of free wheels, and a jump of Ω or of the wheel where speeds are prescribed.
     """
     y, state, before = progress.y, work.state, work.before
-    before[:] = state
+    _copy(state, before)
     _set_state(machine.wheels, progress.pitch, progress.resting, state)
     kinetic, potential = energy(machine.body, machine.contacts, machine.wheels, before, y)
     old = (y[OMEGA], y[OMEGA + 1], y[OMEGA + 2])
@@ -724,7 +773,7 @@ def _enter_contacts(machine, task, progress, record, work, w):
     return fine
 
 
-@njit(error_model="numpy")
+@kernel
 def _write_event(machine, progress, record, work, w, energy_before, old):
     """Write an event down; its impulse is what the sphere's moment of momentum about its centre changes by, I ΔΩ."""
     y, row = progress.y, record.events[int(progress.counters[EVENT])]
@@ -738,7 +787,7 @@ def _write_event(machine, progress, record, work, w, energy_before, old):
     progress.counters[EVENT] += 1
 
 
-@njit(error_model="numpy")
+@kernel
 def _take_samples(machine, task, progress, record, work, h, t_new):
     """Write down the samples before ``t_new``: the state from the step's interpolant, forces from the equations."""
     t, counters, samples = progress.clock[TIME], progress.counters, task.samples
@@ -748,19 +797,19 @@ def _take_samples(machine, task, progress, record, work, h, t_new):
         _sample(machine, task, progress, record, work, at, work.trial)
 
 
-@njit(error_model="numpy")
+@kernel
 def _sample_the_end(machine, task, progress, record, work):
     while progress.counters[SAMPLE] < task.samples.size:
-        work.trial[:] = progress.y
+        _copy(progress.y, work.trial)
         _sample(machine, task, progress, record, work, task.pieces[-1, 1], work.trial)
 
 
-@njit(error_model="numpy")
+@kernel
 def _sample(machine, task, progress, record, work, t, y):
     row = int(progress.counters[SAMPLE])
     _solve_now(machine, task, progress, work, t, y)
     _normalise(y)
-    record.results[row] = work.out
-    record.states[row] = work.state
-    record.sampled[row] = y
+    _copy(work.out, record.results[row])
+    _copy(work.state, record.states[row])
+    _copy(y, record.sampled[row])
     progress.counters[SAMPLE] += 1
