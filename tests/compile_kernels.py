@@ -16,11 +16,14 @@ speeds = Motion("wheel-speed", Series((0.0,), ((1.0, 2.0, 3.0),)), 0.01)
 torques = Motion("wheel-torque", Series((0.0,), ((0.1, 0.2, 0.3),)), 0.01)
 """
 COMPLIANT = MODELS + 'sd.simulate(design, speeds, model="compliant")'
-ROLLING = MODELS + """
+ROLLING = (
+    MODELS
+    + """
 sd.simulate_batch(design, [torques] * 16)
 sd.kinematics.along(design, speeds)
 sd.check(design)
 """
+)
 VIBRATION = """
 import spheredrive as sd
 from spheredrive.vibration import assess, response, steady_statistics, transient

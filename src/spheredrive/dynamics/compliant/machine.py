@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Rollers are looked at while their tops reach to this many static depths below the wheel's outline, at least this share of r.
 REACH, REACH_SHARE = 50.0, 1e-3
+# And always within so many pitches of the sphere.
+NEIGHBOURS = 1.2
 
 
 class Machine(NamedTuple):
@@ -235,7 +237,8 @@ def _rollers(wheel: RollerWheel, race, shape: Envelope, reach: float) -> np.ndar
     row[at.SECTION] = body.barrel_radius if barrel else row[at.THICKEST]
     row[at.EDGE_PLACE], row[at.EDGE_RADIUS] = e, sigma
     row[at.PITCH], row[at.MIDDLE] = shape.pitch, shape.centres[rank] - wheel.phase_angle
-    row[at.FARTHEST] = _farthest(shape, rank, reach)
+    # On either side of a dip between two rollers one of them is looked at, however deep it is.
+    row[at.FARTHEST] = max(_farthest(shape, rank, reach), NEIGHBOURS * shape.pitch)
     return row
 
 

@@ -158,14 +158,16 @@ def station_forces(
                         touches[o, COMING] += float(1 << number)
                 pulls = not (every and N > 0.0)
             elif detail != FORCES:
-                touches[o, TO_EVENT] = min(touches[o, TO_EVENT], N / stiffness)
-                if N < 0.0:
+                # Damping that Hunt and Crossley turn round with the depth would push again across a gap.
+                touches[o, TO_EVENT] = min(touches[o, TO_EVENT], N / stiffness, -gap)
+                if N < 0.0 or gap > 0.0:
                     touches[o, LEAVING] += float(1 << number)
                     pulls = detail == TOUCHES
             if pulls:
-                # What its spring still holds goes into its own damper.
-                stored += elastic * -gap * (0.4 if hertzian else 0.5)
-                damping_heat += elastic * gap_rate
+                if gap < 0.0 < gap_rate:
+                    # What its spring still holds goes into its own damper.
+                    stored += elastic * -gap * (0.4 if hertzian else 0.5)
+                    damping_heat += elastic * gap_rate
                 continue
             pressed = N * steep
             s, t = dot(u, U) + arm * dot(f, Omega), dot(f, U) - arm * dot(u, Omega)

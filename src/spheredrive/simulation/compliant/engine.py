@@ -37,7 +37,6 @@ from spheredrive.dynamics.compliant.layout import (
 from spheredrive.dynamics.compliant.station import (
     COMING,
     DERIVATIVES,
-    GAP,
     LEAVING,
     ROLLER_STATION,
     SLIP_POWER,
@@ -169,7 +168,7 @@ def advance(
     weights, y, clock, counters, works, places, turns, acting, touching,
     kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works, events, allowed,
     states, H, frame, sides, by_turn, pushes, to_own, from_own, own, own_sides, wrenches, touches, spins, Ks, Ds,
-    powers, gaps, drives, pushing, limited, coming,
+    powers, drives, pushing, limited, coming,
 ):  # fmt: skip
     """Take a run on by ``allowed`` steps, or to its end; returns its status.
 
@@ -180,9 +179,9 @@ def advance(
                   far the ledger of a step may be off, as a share of what moves through it and in J
     weights       (2, state): 1/tolerance of each entry; whether it is a speed
     y, clock, counters, works, places, turns, acting, touching   where the run is: state, ``TIME`` …, ``SAMPLES_DONE`` …, works
-                  so far, pieces of rings and their turns, rollers that act, whether stations touch
+                  so far, pieces of rings and their turns, rollers that act, whether stations press
     kept_…        what is recorded at each sample: state, its rate, motor torques, touches, elastic energy, works
-    events        time, station and kind (``LIFTED``, ``TOUCHED``) of each contact lost or made
+    events        time, station and kind (``LIFTED``, ``TOUCHED``) where one ceases or begins to press
     states …      room to work in (``room.Room``), whatever stands there: nothing is allocated here, as a graphics card cannot
     """
     n, m, q, size = wheels.shape[0], stations.shape[0], outlines.shape[0], y.size
@@ -231,7 +230,6 @@ def advance(
                     break
                 _change(touches, acting)
             _powers(power, touches, powers[0])
-            station_gaps(stations, touches, gaps[0])
             kinetic, potential = energies(y, body, wheels, stations, outlines)
             energy = kinetic + potential + _stored(wrenches)
             if fresh and sample < samples.size and samples[sample] <= t + 1e-12 * (1.0 + t):
@@ -239,6 +237,16 @@ def advance(
                       kept_touches, kept_stored, kept_works)  # fmt: skip
                 sample += 1
             fresh = False
+            if counters[EVENTS] + m > events.shape[0]:
+                status = EVENTS_FULL
+                break
+            for s in range(m):
+                now = presses(s, stations, acting)
+                if now != (touching[s] > 0.0):
+                    count = int(counters[EVENTS])
+                    events[count, 0], events[count, 1], events[count, 2] = t, s, TOUCHED if now else LIFTED
+                    counters[EVENTS] += 1
+                    touching[s] = 1.0 if now else 0.0
         allowed -= 1
         # A step is cut where a ring comes to a corner: then ``whole`` keeps what it was.
         whole, tries = h, 0
@@ -289,7 +297,6 @@ def advance(
         kept, event, y_end, at_end = 1.0, False, y_new, _least_to_event(touches)
         while True:
             _powers(power, touches, powers[2])
-            station_gaps(stations, touches, gaps[1])
             kinetic, potential = energies(y_end, body, wheels, stations, outlines)
             energy_end = kinetic + potential + _stored(wrenches)
             if event:
@@ -353,21 +360,6 @@ def advance(
         for p in range(POWERS + q):
             works[p] += _worked(1.0, kept * h, powers, p)
             powers[0, p] = powers[2, p]
-        for s in range(m):
-            now = gaps[1, s] < 0.0
-            if now != (touching[s] > 0.0):
-                count = int(counters[EVENTS])
-                if count >= events.shape[0]:
-                    status = EVENTS_FULL
-                    break
-                step = gaps[0, s] - gaps[1, s]
-                part = gaps[0, s] / step if abs(step) < 1e200 and step != 0.0 else 1.0
-                events[count, 0] = t + kept * h * min(1.0, max(0.0, part))
-                events[count, 1] = s
-                events[count, 2] = TOUCHED if now else LIFTED
-                counters[EVENTS] += 1
-                touching[s] = 1.0 if now else 0.0
-            gaps[0, s] = gaps[1, s]
         for i in range(size):
             y[i], f0[i] = y_end[i], f1[i]
         K, K_1 = K_1, K
@@ -388,8 +380,6 @@ def advance(
                 break
         if abs(y[CENTRE]) + abs(y[CENTRE + 1]) + abs(y[CENTRE + 2]) > body[0]:
             status = FALLEN
-            break
-        if status == EVENTS_FULL:
             break
     return status
 
@@ -485,13 +475,12 @@ def _powers(power, touches, out):
 
 
 @kernel
-def station_gaps(stations, touches, out):
-    """The least gap of each station."""
-    for s in range(stations.shape[0]):
-        first = int(stations[s, FIRST_OUTLINE])
-        out[s] = 1e300
-        for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
-            out[s] = min(out[s], touches[o, GAP])
+def presses(s, stations, acting):
+    """Whether any roller of a station acts."""
+    first, bits = int(stations[s, FIRST_OUTLINE]), 0
+    for o in range(first, first + int(stations[s, OUTLINE_COUNT])):
+        bits |= acting[o]
+    return bits != 0
 
 
 @kernel

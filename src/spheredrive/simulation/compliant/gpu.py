@@ -135,7 +135,7 @@ def kernel():
         status, clock, events, y, counters, works, places, turns, acting, touching,
         kept_states, kept_rates, kept_motors, kept_touches, kept_stored, kept_works,
         states, H, frame, sides, by_turn, pushes, to_own, from_own, own, own_sides, wrenches, touches, spins, Ks, Ds,
-        powers, gaps, drives, pushing, limited, coming,
+        powers, drives, pushing, limited, coming,
     ):  # fmt: skip
         b = cuda.grid(1)
         if b < status.size and status[b] == RUNNING:
@@ -144,7 +144,7 @@ def kernel():
                 stages, order, control[b], weights[b], y[b], clock[b], counters[b], works[b], places[b], turns[b], acting[b],
                 touching[b], kept_states[b], kept_rates[b], kept_motors[b], kept_touches[b], kept_stored[b], kept_works[b],
                 events[b], allowed, states[b], H[b], frame[b], sides[b], by_turn[b], pushes[b], to_own[b], from_own[b], own[b],
-                own_sides[b], wrenches[b], touches[b], spins[b], Ks[b], Ds[b], powers[b], gaps[b], drives[b], pushing[b],
+                own_sides[b], wrenches[b], touches[b], spins[b], Ks[b], Ds[b], powers[b], drives[b], pushing[b],
                 limited[b], coming[b],
             )  # fmt: skip
 

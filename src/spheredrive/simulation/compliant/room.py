@@ -33,7 +33,6 @@ class Room(NamedTuple):
     Ks: object
     Ds: object
     powers: object
-    gaps: object
     drives: object
     pushing: object
     limited: object
@@ -61,7 +60,6 @@ def room_shapes(machine: Machine, stages: int) -> Room:
         Ks=(2, m, 7, 4),
         Ds=(2, m, 7, 7),
         powers=(4, POWERS + q),
-        gaps=(2, m),
         drives=(4, n),
         pushing=(3, 3),
         limited=(n,),
@@ -69,7 +67,7 @@ def room_shapes(machine: Machine, stages: int) -> Room:
     )
 
 
-ROOM_KINDS = Room(*[np.float64] * 19, limited=np.bool_, coming=np.int64)
+ROOM_KINDS = Room(*[np.float64] * 18, limited=np.bool_, coming=np.int64)
 
 
 def room(machine: Machine, stages: int, make=np.empty, runs: tuple[int, ...] = ()) -> Room:

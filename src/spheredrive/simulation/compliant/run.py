@@ -12,7 +12,7 @@ import numpy as np
 from spheredrive.dynamics import rolling
 from spheredrive.dynamics.compliant import layout as at
 from spheredrive.dynamics.compliant.machine import Machine, machine
-from spheredrive.dynamics.compliant.station import GAP, NORMAL, TANGENTIAL
+from spheredrive.dynamics.compliant.station import NORMAL, PRESSED, TANGENTIAL
 from spheredrive.errors import SpheredriveError
 from spheredrive.kinematics import forward, inverse
 from spheredrive.motion import Motion, Series
@@ -56,7 +56,7 @@ class CompliantRun:
                         and what the engine needs of rollers to come, of each outline, (k, q, 9)
     stored              elastic energy of the contacts, J, (k,)
     works               of motors, stage, slip, contact damping, other resistances, then slip by outline, J, (k, 5 + q)
-    events              time, station, 1 where contact is made and 0 where it is lost, (e, 3)
+    events              time, station, 1 where it begins to press and 0 where it ceases to, (e, 3)
     steps               accepted and refused
     """
 
@@ -131,7 +131,7 @@ class CompliantRun:
 
     @property
     def lift_offs(self) -> np.ndarray:
-        """Intervals without contact: wheel from 0, begin and end in s (the run's end where it lasts), (e, 3)."""
+        """Intervals in which nothing presses: wheel from 0, begin and end in s (the run's end where it lasts), (e, 3)."""
         found = []
         open_since = dict.fromkeys(np.flatnonzero(~self._pressed_at_start), 0.0)
         for time, station, made in self.events:
@@ -150,7 +150,7 @@ class CompliantRun:
         first = {}
         for _, station, made in self.events:
             first.setdefault(int(station), not made)
-        pressed = self.touches[0, :, GAP] < 0 if len(self.time) else np.ones(len(self.machine.outlines), bool)
+        pressed = self.touches[0, :, NORMAL] > 0 if len(self.time) else np.ones(len(self.machine.outlines), bool)
         begins = self.machine.stations[:, at.FIRST_OUTLINE].astype(int)
         counts = self.machine.stations[:, at.OUTLINE_COUNT].astype(int)
         return np.array(
@@ -281,9 +281,7 @@ class _Arrays:
         y[at.STAGE_POSITION : at.STAGE_POSITION + 3] = start.position
         y[at.STAGE_VELOCITY : at.STAGE_VELOCITY + 3] = start.velocity
         now = instant(m, y, self.places[b], self.turns[b])
-        gaps = np.empty(len(m.stations))
-        engine.station_gaps(m.stations, now.touches, gaps)
-        self.touching[b] = gaps < 0
+        self.touching[b] = now.wrenches[:, PRESSED] > 0
         return y
 
     def advance(self, watch) -> None:
