@@ -2,14 +2,13 @@
 
 import json
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import xarray
 
 import spheredrive as sd
+from forked import run as run_program
 from spheredrive.design import Closure, Contact, Design, Motor, Placement, Sphere, Stage
 from spheredrive.motion import Motion, Series
 from spheredrive.simulation.compliant.overview import compliant_overview
@@ -136,10 +135,8 @@ def test_command_line_runs_the_compliant_model(tmp_path):
     motion.write_text(
         'schema_version = 1\n[motion]\nkind = "wheel-speed"\nduration = "0.05 s"\ntime = [0]\nvalues = [[1, 2, 3]]\n'
     )
-    command = [sys.executable, "-m", "spheredrive", "simulate", str(sd.design_path("atlas-dual-race")), str(motion)]
-    done = subprocess.run(
-        [*command, "--model", "compliant", "-o", str(tmp_path / "run.nc"), "--json"], capture_output=True, text=True
-    )
+    design = sd.design_path("atlas-dual-race")
+    done = run_program("simulate", design, motion, "--model", "compliant", "-o", tmp_path / "run.nc", "--json")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["model"] == "compliant" and len(found["wheels"]) == 3 and (tmp_path / "run.nc").exists()

@@ -89,6 +89,7 @@ def test_page_holds_every_row_figure_assumption_and_erratum(rebuilt):
     assert json.loads((folder / "rows.json").read_text(encoding="utf-8")) == json.loads(answer.stdout)
 
 
+@pytest.mark.long
 def test_rows_are_the_same_in_another_process(rebuilt):
     answer, _ = rebuilt
     assert [row.as_dict() for row in all_rows()] == json.loads(answer.stdout)

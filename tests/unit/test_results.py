@@ -45,6 +45,7 @@ def test_write_run_has_only_plain_types(path):
     assert kinds["angular_velocity"] == ("f", 8) and kinds["axis"] == ("S", 1)
 
 
+@pytest.mark.long
 def test_write_run_same_run_gives_same_bytes_in_every_process(path, tmp_path):
     code = (
         "import sys; from layouts import atlas; from test_simulate import PUSH, heavy; import spheredrive as sd;"

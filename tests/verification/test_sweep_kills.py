@@ -188,6 +188,7 @@ def cluster():
             process.wait()
 
 
+@pytest.mark.long
 def test_a_dask_cluster_that_loses_a_worker_gives_the_same_bytes(small, cluster):
     address, workers = cluster
     killing = small
