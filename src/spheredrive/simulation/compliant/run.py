@@ -53,7 +53,7 @@ class CompliantRun:
     states, rates       the whole state and its derivative, (k, size), as ``dynamics.compliant.layout`` orders them
     motor_torque        (k, n)
     touches             normal force, friction along û, slip speed, least gap, slip power, largest force of one roller,
-                        and what the engine needs of rollers to come, of each outline, (k, q, 9)
+                        and what the engine needs to know of rollers that begin or cease to press, of each outline, (k, q, 9)
     stored              elastic energy of the contacts, J, (k,)
     works               of motors, stage, slip, contact damping, other resistances, then slip by outline, J, (k, 5 + q)
     events              time, station, 1 where it begins to press and 0 where it ceases to, (e, 3)
